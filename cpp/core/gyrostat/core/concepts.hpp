@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// @file  What a component must offer. `start` is called at the first sample, when no interval has passed yet.
+#pragma once
+#include <concepts>
+
+#include "gyrostat/core/params.hpp"
+
+namespace gyrostat {
+
+template <class T>
+concept Observer = requires(T observer, const Measurement<typename T::Scalar>& y, const Allocation<typename T::Scalar>& last) {
+  { observer.start(y) } -> std::same_as<Estimate<typename T::Scalar>>;
+  { observer.step(y, last) } -> std::same_as<Estimate<typename T::Scalar>>;
+};
+
+template <class T>
+concept Detector = requires(T detector, const Estimate<typename T::Scalar>& x, const Allocation<typename T::Scalar>& last) {
+  { detector.start(x) } -> std::same_as<Detection<typename T::Scalar>>;
+  { detector.step(x, last) } -> std::same_as<Detection<typename T::Scalar>>;
+};
+
+template <class T>
+concept Controller =
+    requires(T controller, const Estimate<typename T::Scalar>& x, const Detection<typename T::Scalar>& det,
+             const Reference<typename T::Scalar>& ref, const Allocation<typename T::Scalar>& last) {
+      { controller.start(x, det, ref) } -> std::same_as<Demand<typename T::Scalar>>;
+      { controller.step(x, det, ref, last) } -> std::same_as<Demand<typename T::Scalar>>;
+    };
+
+template <class T>
+concept Allocator = requires(T allocator, const Demand<typename T::Scalar>& demand, const Estimate<typename T::Scalar>& x,
+                             const Detection<typename T::Scalar>& det) {
+  allocator.reset();
+  { allocator.step(demand, x, det) } -> std::same_as<Allocation<typename T::Scalar>>;
+};
+
+}  // namespace gyrostat

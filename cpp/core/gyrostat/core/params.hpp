@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+/// @file  How a component describes and checks its parameters: default, unit, range and meaning are written once.
+///
+///     struct Params {
+///       S gain = S(2);
+///       static constexpr void describe(auto& p, auto&& field) {
+///         field(p.gain, Field{"gain", "1/s", 0, 1e2, "rate of the correction"});
+///       }
+///     };
+///
+/// `describe` calls `field` once a parameter, with the member and a Field (numbers, vectors, matrices; the range holds
+/// for every element) or a Choice (an enum; the options in the order of its values) or a Switch (a bool). Defaults that
+/// depend on the vehicle are written in `static Params defaults(const Setup<S>&)`.
+#pragma once
+#include "gyrostat/core/signals.hpp"
+
+namespace gyrostat {
+
+/// A number, vector or matrix, with its unit and the closed range of each element.
+struct Field {
+  const char* name;
+  const char* unit;  ///< "" when dimensionless
+  double lo, hi;
+  const char* meaning;
+};
+
+/// An enum whose values count from 0.
+struct Choice {
+  const char* name;
+  const char* options;  ///< "first|second|third"
+  const char* meaning;
+};
+
+/// A bool.
+struct Switch {
+  const char* name;
+  const char* meaning;
+};
+
+/// Result of a component's `check`: refused parameters come with the number and the limit.
+template <class S>
+struct Status {
+  enum class Code : std::uint8_t {
+    ok,
+    refused,     ///< cannot work
+    unstable,    ///< would diverge; `allow_unstable` overrides
+    wrong_chart  ///< the law does not fit the vehicle's coordinates
+  };
+  Code code = Code::ok;
+  const char* quantity = "";  ///< what was compared
+  S value = S(0), limit = S(0);
+  const char* relation = "<";  ///< the relation that ought to hold between value and limit
+
+  constexpr bool ok() const noexcept { return code == Code::ok; }
+
+  /// ok when `holds`; else a refusal that says "quantity = value, must be relation limit".
+  static constexpr Status require(bool holds, const char* quantity, S value, S limit, const char* relation = "<",
+                                  Code code = Code::refused) noexcept {
+    return holds ? Status{} : Status{code, quantity, value, limit, relation};
+  }
+  /// Both must hold; the first that does not is reported.
+  constexpr Status operator&&(const Status& next) const noexcept { return ok() ? next : *this; }
+};
+
+/// Default parameters of a component for a vehicle.
+template <class Component, class S>
+typename Component::Params default_params(const Setup<S>& setup) noexcept {
+  if constexpr (requires { Component::Params::defaults(setup); }) {
+    return Component::Params::defaults(setup);
+  } else {
+    return typename Component::Params{};
+  }
+}
+
+/// Name of a counter in telemetry: its increments become dated events of the result.
+struct Counter {
+  const char* name;
+};
+
+/// What is known of a component beyond its signals; each is a `static constexpr bool` of the component, false when absent.
+struct Traits {
+  bool axiswise = false;   ///< equivariant under signed permutations of the body axes
+  bool switching = false;  ///< discontinuous: float does not follow double sample by sample
+  bool regulates = false;  ///< a controller that closes the loop on attitude
+};
+
+template <class Component>
+constexpr Traits traits_of() noexcept {
+  Traits t;
+  if constexpr (requires { Component::axiswise; }) t.axiswise = Component::axiswise;
+  if constexpr (requires { Component::switching; }) t.switching = Component::switching;
+  if constexpr (requires { Component::regulates; }) t.regulates = Component::regulates;
+  return t;
+}
+
+}  // namespace gyrostat

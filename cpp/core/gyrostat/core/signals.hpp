@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+/// @file  The whole contract between sensors, observer, detector, controller, allocator and actuators.
+///
+/// SI and radians, scalar-first Hamilton quaternions, frames in names (N inertial, B body, R reference).
+/// One model for all, so that stacks of different papers never count a fault twice:
+///
+///     J w' = -w x (J w + D h_w) + D diag(effectiveness) u + d_B
+///
+/// Page: docs/architecture.md
+#pragma once
+#include <limits>
+
+#include "gyrostat/core/types.hpp"
+
+namespace gyrostat {
+
+/// What kind of plant the numbers describe. `euler_angles`: the printed Euler-angle model of cao2023, where
+/// `omega_BN_B` holds the Euler rates; everything else is `body`.
+enum class Coordinates : std::uint8_t { body, euler_angles };
+
+/// The nominal vehicle: all that flight knows of it.
+template <class S>
+struct Vehicle {
+  Mat3<S> J_B = Mat3<S>::Identity();  ///< kg m^2; with wheels: total inertia less sum Js g g'
+  Mat3N<S> D_B{3, 0};                 ///< actuator axes in columns
+  VecN<S> u_lo, u_up;                 ///< N m, limits of the command; infinite when flight knows none
+  VecN<S> u_rate;                     ///< N m/s, limit of its change; infinite when there is none
+  Mask spare;                         ///< off until a detector enables them
+  Mask wheels;                        ///< actuators that store momentum (h_w)
+  S orbit_rate = S(0);                ///< rad/s, circular orbit
+  Coordinates coordinates = Coordinates::body;
+
+  int actuators() const noexcept { return static_cast<int>(D_B.cols()); }
+};
+
+/// Constructor argument of every component. The period is fixed here: delays and stability are decided with it.
+template <class S>
+struct Setup {
+  Vehicle<S> vehicle;
+  S dt = S(0);  ///< s
+};
+
+/// 3-2-1 Euler angles (roll, pitch, yaw) and their rates.
+template <class S>
+struct EulerState {
+  Vec3<S> angles = Vec3<S>::Zero();  ///< rad
+  Vec3<S> rates = Vec3<S>::Zero();   ///< rad/s
+};
+
+/// What went wrong or was limited; a set of bits, so that several can hold at once. 0: nothing to report.
+enum class Flag : std::uint16_t {
+  input_held = 1,         ///< a non-finite input was replaced by the last valid one
+  component_reset = 2,    ///< a non-finite output: its component was started again
+  command_held = 4,       ///< the previous command was issued again
+  demand_not_met = 8,     ///< the allocator could not deliver the demanded torque
+  cap_reached = 16,       ///< an iteration limit ended a solve: best so far was used
+  bad_input = 32,         ///< an allocator refused its input
+  rank_lost = 64,         ///< an axis of torque cannot be produced and was dropped
+  singular = 128,         ///< near a singularity of the chart in use
+  breach = 256,           ///< a promised bound was left
+};
+
+/// A set of `Flag`s.
+class Flags {
+ public:
+  constexpr Flags() noexcept = default;
+  constexpr Flags(Flag f) noexcept : bits_(static_cast<std::uint16_t>(f)) {}
+  constexpr bool has(Flag f) const noexcept { return (bits_ & static_cast<std::uint16_t>(f)) != 0; }
+  constexpr void set(Flag f) noexcept { bits_ = static_cast<std::uint16_t>(bits_ | static_cast<std::uint16_t>(f)); }
+  constexpr Flags operator|(Flags o) const noexcept {
+    Flags r;
+    r.bits_ = static_cast<std::uint16_t>(bits_ | o.bits_);
+    return r;
+  }
+  constexpr std::uint16_t bits() const noexcept { return bits_; }
+  constexpr bool operator==(const Flags&) const noexcept = default;
+
+ private:
+  std::uint16_t bits_ = 0;
+};
+
+/// sensors -> observer
+template <class S>
+struct Measurement {
+  Tick tick = 0;
+  Quat<S> q_NB = Quat<S>::Identity();          ///< sign continuous from the initial state
+  Vec3<S> omega_BN_B = Vec3<S>::Zero();        ///< rad/s
+  VecN<S> h_w;                                 ///< N m s, one an actuator; zero for ideal torquers
+  EulerState<S> euler;
+  bool attitude_valid = true, rate_valid = true;
+};
+
+/// -> controller
+template <class S>
+struct Reference {
+  Quat<S> q_NR = Quat<S>::Identity();
+  Vec3<S> omega_RN_R = Vec3<S>::Zero();     ///< rad/s
+  Vec3<S> omegadot_RN_R = Vec3<S>::Zero();  ///< rad/s^2
+  EulerState<S> euler;
+  Vec3<S> euler_accelerations = Vec3<S>::Zero();  ///< rad/s^2
+  std::uint32_t event = 0;                        ///< counts discontinuities (steps)
+};
+
+/// observer -> detector, controller, allocator
+template <class S>
+struct Estimate {
+  Tick tick = 0;
+  Quat<S> q_NB = Quat<S>::Identity();
+  Vec3<S> omega_BN_B = Vec3<S>::Zero();
+  VecN<S> h_w;
+  EulerState<S> euler;
+  VecN<S> effectiveness;        ///< delivered / commanded, one an actuator
+  VecN<S> effectiveness_bound;  ///< relative half-width; infinity: never excited
+  Vec3<S> d_B = Vec3<S>::Zero();  ///< N m, what effectiveness does not explain
+  Flags status;
+
+  /// Measured state, healthy actuators of unknown certainty, no disturbance: what an observer does not estimate stays so.
+  static Estimate healthy(const Measurement<S>& y) noexcept {
+    const Eigen::Index n = y.h_w.size();
+    Estimate x;
+    x.tick = y.tick;
+    x.q_NB = y.q_NB;
+    x.omega_BN_B = y.omega_BN_B;
+    x.h_w = y.h_w;
+    x.euler = y.euler;
+    x.effectiveness = VecN<S>::Ones(n);
+    x.effectiveness_bound = VecN<S>::Constant(n, std::numeric_limits<S>::infinity());
+    return x;
+  }
+};
+
+/// detector -> controller, allocator
+template <class S>
+struct Detection {
+  Mask changed;                ///< a change of effectiveness was declared since start
+  Mask failed;                 ///< declared useless
+  Mask enabled;                ///< may be used
+  VecN<S> u_probe;             ///< N m, a dither that makes faults visible; empty: none
+  std::uint32_t event = 0;     ///< counts declarations
+
+  /// Nothing detected: everything but the spares is enabled.
+  static Detection none(const Vehicle<S>& vehicle) noexcept {
+    Detection det;
+    det.enabled = Mask::all(vehicle.actuators()).without(vehicle.spare);
+    return det;
+  }
+};
+
+/// controller -> allocator
+template <class S>
+struct Demand {
+  Vec3<S> tau_B = Vec3<S>::Zero();  ///< N m
+  VecN<S> u_pref;                   ///< N m, preferred command; empty: zero
+  Flags status;
+};
+
+/// allocator -> actuators, and as `last` to the others at the next sample
+template <class S>
+struct Allocation {
+  VecN<S> u;                             ///< N m, issued command, inside [u_lo, u_up]
+  Vec3<S> demand_B = Vec3<S>::Zero();    ///< N m, what was asked
+  Vec3<S> achieved_B = Vec3<S>::Zero();  ///< N m, D diag(effectiveness) u as far as flight knows
+  Mask saturated;
+  S gap = S(0);         ///< certified distance to the optimum, for allocators that optimise
+  S worst_case = S(0);  ///< N m, worst residual under the effectiveness bound
+  int iterations = 0;
+  Flags status;
+
+  static Allocation idle(int n) noexcept {
+    Allocation a;
+    a.u = VecN<S>::Zero(n);
+    return a;
+  }
+};
+
+}  // namespace gyrostat
