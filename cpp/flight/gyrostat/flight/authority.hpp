@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+/// @file  How much torque a vehicle has, for defaults that scale with it. Called once, at construction.
+#pragma once
+#include <algorithm>
+#include <limits>
+
+#include "gyrostat/core/signals.hpp"
+
+namespace gyrostat {
+
+/// N m along `direction` (unit vector, body) when every actuator pushes that way: the support function of the torque set.
+template <class S>
+S torque_along(const Vehicle<S>& vehicle, const Vec3<S>& direction) noexcept {
+  S sum = S(0);
+  for (int i = 0; i < vehicle.actuators(); ++i) {
+    const S lever = direction.dot(vehicle.D_B.col(i));
+    if (vehicle.spare.test(i) || std::abs(lever) <= Eigen::NumTraits<S>::epsilon()) continue;  // 0 * infinity otherwise
+    sum += lever * (lever > S(0) ? vehicle.u_up[i] : vehicle.u_lo[i]);
+  }
+  return sum;
+}
+
+/// Torque, N m, that the actuators in use (spares are not) can produce in every direction: radius of the largest ball in
+/// the set { D u : u_lo <= u <= u_up }. Its faces are spanned by pairs of actuator axes. Infinite when flight knows no
+/// limit; zero when a direction cannot be produced.
+template <class S>
+S torque_authority(const Vehicle<S>& vehicle) noexcept {
+  S radius = std::numeric_limits<S>::infinity();
+  bool spans = false;
+  for (int i = 0; i < vehicle.actuators(); ++i) {
+    for (int j = i + 1; j < vehicle.actuators(); ++j) {
+      if (vehicle.spare.test(i) || vehicle.spare.test(j)) continue;
+      const Vec3<S> a = vehicle.D_B.col(i), b = vehicle.D_B.col(j);
+      const Vec3<S> normal = a.cross(b);
+      if (normal.norm() <= S(1e-3) * a.norm() * b.norm()) continue;  // parallel axes span no face
+      const Vec3<S> n = normal.normalized();
+      radius = std::min({radius, torque_along<S>(vehicle, n), torque_along<S>(vehicle, Vec3<S>(-n))});
+      spans = true;
+    }
+  }
+  return spans ? std::max(radius, S(0)) : S(0);
+}
+
+}  // namespace gyrostat

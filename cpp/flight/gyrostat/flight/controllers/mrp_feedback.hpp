@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+/// @file  Proportional-derivative attitude law in modified Rodrigues parameters.
+///
+///   tau_B = -K sigma_BR - P omega_BR_B + feedforward of a moving reference
+///
+/// No integral action: a constant disturbance d leaves the offset |sigma| = |d| / K. Page: docs/components/mrp_feedback.md
+#pragma once
+#include "gyrostat/core/params.hpp"
+#include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/controllers/stiffness.hpp"
+#include "gyrostat/flight/controllers/tracking.hpp"
+
+namespace gyrostat {
+
+/// Asymptotically stable for every K, P > 0 on a healthy vehicle (V = w'Jw/2 + 2 K ln(1 + sigma'sigma)).
+template <class S>
+class MrpFeedback {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "mrp_feedback";
+  static constexpr bool axiswise = true;
+  static constexpr bool regulates = true;
+
+  struct Params {
+    S K = S(1);
+    S P = S(5);
+
+    static constexpr void describe(auto& p, auto&& field) {
+      field(p.K, Field{"K", "N m", 1e-9, 1e9, "torque per MRP; default: the torque authority at an error of 60 deg"});
+      field(p.P, Field{"P", "N m s", 1e-9, 1e9, "torque per rate; default: critical damping about the largest inertia"});
+    }
+    static Params defaults(const Setup<S>& setup) noexcept {
+      const Stiffness<S> k = default_stiffness(setup);
+      return {k.k_sigma, k.k_omega};
+    }
+  };
+
+  /// The sampled damping alone must be stable: P dt < 2 J for the smallest inertia.
+  static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
+    return needs_body_coordinates(setup) &&
+           Status<S>::require(p.P * setup.dt < S(2) * smallest_inertia(setup.vehicle.J_B), "P * dt", p.P * setup.dt,
+                              S(2) * smallest_inertia(setup.vehicle.J_B), "<", Status<S>::Code::unstable);
+  }
+
+  MrpFeedback(const Setup<S>& setup, const Params& params) noexcept : vehicle_(setup.vehicle), params_(params) {}
+
+  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    return demand(x, ref);
+  }
+  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                               const Allocation<S>&) noexcept {
+    return demand(x, ref);
+  }
+
+  void telemetry(auto&&) const {}
+
+ private:
+  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
+    const Tracking<S> error = track(vehicle_, x, ref);
+    Demand<S> out;
+    out.tau_B = error.feedforward_B - params_.K * error.sigma_BR - params_.P * error.omega_BR_B;
+    return out;
+  }
+
+  Vehicle<S> vehicle_;
+  Params params_;
+};
+
+}  // namespace gyrostat

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+/// @file  No detection: nothing changed, nothing failed, the spares stay off. Page: docs/components/none.md
+#pragma once
+#include "gyrostat/core/params.hpp"
+
+namespace gyrostat {
+
+/// The detector of stacks that need none. Fits every vehicle.
+template <class S>
+class NoDetector {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "none";
+  static constexpr bool axiswise = true;
+
+  struct Params {
+    static constexpr void describe(auto&, auto&&) {}
+  };
+
+  static Status<S> check(const Setup<S>&, const Params&) noexcept { return {}; }
+
+  explicit NoDetector(const Setup<S>& setup, const Params& = {}) noexcept : none_(Detection<S>::none(setup.vehicle)) {}
+
+  [[nodiscard]] Detection<S> start(const Estimate<S>&) noexcept { return none_; }
+  [[nodiscard]] Detection<S> step(const Estimate<S>&, const Allocation<S>&) noexcept { return none_; }
+
+  void telemetry(auto&&) const {}
+
+ private:
+  Detection<S> none_;
+};
+
+}  // namespace gyrostat

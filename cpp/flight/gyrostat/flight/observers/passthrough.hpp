@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+/// @file  No estimation: the measured state, healthy actuators, no disturbance. Page: docs/components/passthrough.md
+#pragma once
+#include "gyrostat/core/params.hpp"
+
+namespace gyrostat {
+
+/// The observer of stacks that need none. Fits every vehicle.
+template <class S>
+class Passthrough {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "passthrough";
+  static constexpr bool axiswise = true;
+
+  struct Params {
+    static constexpr void describe(auto&, auto&&) {}
+  };
+
+  static Status<S> check(const Setup<S>&, const Params&) noexcept { return {}; }
+
+  explicit Passthrough(const Setup<S>&, const Params& = {}) noexcept {}
+
+  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept { return Estimate<S>::healthy(y); }
+  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>&) noexcept { return Estimate<S>::healthy(y); }
+
+  void telemetry(auto&&) const {}
+};
+
+}  // namespace gyrostat
