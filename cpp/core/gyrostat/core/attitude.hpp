@@ -28,7 +28,8 @@ Mat3<S> cross_matrix(const Vec3<S>& a) noexcept {
 template <class S>
 Quat<S> quat_exp(const Vec3<S>& phi) noexcept {
   const S half = phi.norm() / S(2);
-  const S k = half < S(1e-4) ? S(0.5) - half * half / S(12) : std::sin(half) / (S(2) * half);  // sin(x)/(2x); next term x^4/240 is below rounding
+  const S k = half < S(1e-4) ? S(0.5) - half * half / S(12)
+                             : std::sin(half) / (S(2) * half);  // sin(x)/(2x); next term x^4/240 is below rounding
   return {std::cos(half), k * phi[0], k * phi[1], k * phi[2]};
 }
 
@@ -134,7 +135,8 @@ Quat<S> quat_from_euler(const Vec3<S>& angles) noexcept {
   const S cr = std::cos(angles[0] / 2), sr = std::sin(angles[0] / 2);
   const S cp = std::cos(angles[1] / 2), sp = std::sin(angles[1] / 2);
   const S cy = std::cos(angles[2] / 2), sy = std::sin(angles[2] / 2);
-  return {cy * cp * cr + sy * sp * sr, cy * cp * sr - sy * sp * cr, cy * sp * cr + sy * cp * sr, sy * cp * cr - cy * sp * sr};
+  return {cy * cp * cr + sy * sp * sr, cy * cp * sr - sy * sp * cr, cy * sp * cr + sy * cp * sr,
+          sy * cp * cr - cy * sp * sr};
 }
 
 /// Roll, pitch, yaw of q_NB; pitch in [-pi/2, pi/2]. At pitch +-pi/2 only roll -+ yaw is defined and roll takes it all.

@@ -8,16 +8,18 @@
 namespace gyrostat {
 
 template <class T>
-concept Observer = requires(T observer, const Measurement<typename T::Scalar>& y, const Allocation<typename T::Scalar>& last) {
-  { observer.start(y) } -> std::same_as<Estimate<typename T::Scalar>>;
-  { observer.step(y, last) } -> std::same_as<Estimate<typename T::Scalar>>;
-};
+concept Observer =
+    requires(T observer, const Measurement<typename T::Scalar>& y, const Allocation<typename T::Scalar>& last) {
+      { observer.start(y) } -> std::same_as<Estimate<typename T::Scalar>>;
+      { observer.step(y, last) } -> std::same_as<Estimate<typename T::Scalar>>;
+    };
 
 template <class T>
-concept Detector = requires(T detector, const Estimate<typename T::Scalar>& x, const Allocation<typename T::Scalar>& last) {
-  { detector.start(x) } -> std::same_as<Detection<typename T::Scalar>>;
-  { detector.step(x, last) } -> std::same_as<Detection<typename T::Scalar>>;
-};
+concept Detector =
+    requires(T detector, const Estimate<typename T::Scalar>& x, const Allocation<typename T::Scalar>& last) {
+      { detector.start(x) } -> std::same_as<Detection<typename T::Scalar>>;
+      { detector.step(x, last) } -> std::same_as<Detection<typename T::Scalar>>;
+    };
 
 template <class T>
 concept Controller =
@@ -28,8 +30,8 @@ concept Controller =
     };
 
 template <class T>
-concept Allocator = requires(T allocator, const Demand<typename T::Scalar>& demand, const Estimate<typename T::Scalar>& x,
-                             const Detection<typename T::Scalar>& det) {
+concept Allocator = requires(T allocator, const Demand<typename T::Scalar>& demand,
+                             const Estimate<typename T::Scalar>& x, const Detection<typename T::Scalar>& det) {
   allocator.reset();
   { allocator.step(demand, x, det) } -> std::same_as<Allocation<typename T::Scalar>>;
 };

@@ -49,15 +49,15 @@ struct EulerState {
 
 /// What went wrong or was limited; a set of bits, so that several can hold at once. 0: nothing to report.
 enum class Flag : std::uint16_t {
-  input_held = 1,         ///< a non-finite input was replaced by the last valid one
-  component_reset = 2,    ///< a non-finite output: its component was started again
-  command_held = 4,       ///< the previous command was issued again
-  demand_not_met = 8,     ///< the allocator could not deliver the demanded torque
-  cap_reached = 16,       ///< an iteration limit ended a solve: best so far was used
-  bad_input = 32,         ///< an allocator refused its input
-  rank_lost = 64,         ///< an axis of torque cannot be produced and was dropped
-  singular = 128,         ///< near a singularity of the chart in use
-  breach = 256,           ///< a promised bound was left
+  input_held = 1,       ///< a non-finite input was replaced by the last valid one
+  component_reset = 2,  ///< a non-finite output: its component was started again
+  command_held = 4,     ///< the previous command was issued again
+  demand_not_met = 8,   ///< the allocator could not deliver the demanded torque
+  cap_reached = 16,     ///< an iteration limit ended a solve: best so far was used
+  bad_input = 32,       ///< an allocator refused its input
+  rank_lost = 64,       ///< an axis of torque cannot be produced and was dropped
+  singular = 128,       ///< near a singularity of the chart in use
+  breach = 256,         ///< a promised bound was left
 };
 
 /// A set of `Flag`s.
@@ -83,9 +83,9 @@ class Flags {
 template <class S>
 struct Measurement {
   Tick tick = 0;
-  Quat<S> q_NB = Quat<S>::Identity();          ///< sign continuous from the initial state
-  Vec3<S> omega_BN_B = Vec3<S>::Zero();        ///< rad/s
-  VecN<S> h_w;                                 ///< N m s, one an actuator; zero for ideal torquers
+  Quat<S> q_NB = Quat<S>::Identity();    ///< sign continuous from the initial state
+  Vec3<S> omega_BN_B = Vec3<S>::Zero();  ///< rad/s
+  VecN<S> h_w;                           ///< N m s, one an actuator; zero for ideal torquers
   EulerState<S> euler;
   bool attitude_valid = true, rate_valid = true;
 };
@@ -109,8 +109,8 @@ struct Estimate {
   Vec3<S> omega_BN_B = Vec3<S>::Zero();
   VecN<S> h_w;
   EulerState<S> euler;
-  VecN<S> effectiveness;        ///< delivered / commanded, one an actuator
-  VecN<S> effectiveness_bound;  ///< relative half-width; infinity: never excited
+  VecN<S> effectiveness;          ///< delivered / commanded, one an actuator
+  VecN<S> effectiveness_bound;    ///< relative half-width; infinity: never excited
   Vec3<S> d_B = Vec3<S>::Zero();  ///< N m, what effectiveness does not explain
   Flags status;
 
@@ -132,11 +132,11 @@ struct Estimate {
 /// detector -> controller, allocator
 template <class S>
 struct Detection {
-  Mask changed;                ///< a change of effectiveness was declared since start
-  Mask failed;                 ///< declared useless
-  Mask enabled;                ///< may be used
-  VecN<S> u_probe;             ///< N m, a dither that makes faults visible; empty: none
-  std::uint32_t event = 0;     ///< counts declarations
+  Mask changed;             ///< a change of effectiveness was declared since start
+  Mask failed;              ///< declared useless
+  Mask enabled;             ///< may be used
+  VecN<S> u_probe;          ///< N m, a dither that makes faults visible; empty: none
+  std::uint32_t event = 0;  ///< counts declarations
 
   /// Nothing detected: everything but the spares is enabled.
   static Detection none(const Vehicle<S>& vehicle) noexcept {

@@ -17,7 +17,8 @@ class Estimator {
                                        noexcept(std::declval<D&>().step(std::declval<const Estimate<Scalar>&>(),
                                                                         std::declval<const Allocation<Scalar>&>()));
 
-  Estimator(const Vehicle<Scalar>& vehicle, O o, D d) : observer(std::move(o)), detector(std::move(d)), vehicle_(vehicle) {}
+  Estimator(const Vehicle<Scalar>& vehicle, O o, D d)
+      : observer(std::move(o)), detector(std::move(d)), vehicle_(vehicle) {}
 
   void start(const Measurement<Scalar>& y) noexcept(cannot_throw) {
     x_ = observer.start(y);

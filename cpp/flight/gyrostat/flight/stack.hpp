@@ -18,8 +18,9 @@ class FlightStack {
   using Scalar = typename O::Scalar;
   static constexpr bool cannot_throw =
       Estimator<O, D>::cannot_throw &&
-      noexcept(std::declval<C&>().step(std::declval<const Estimate<Scalar>&>(), std::declval<const Detection<Scalar>&>(),
-                                       std::declval<const Reference<Scalar>&>(), std::declval<const Allocation<Scalar>&>())) &&
+      noexcept(std::declval<C&>().step(
+          std::declval<const Estimate<Scalar>&>(), std::declval<const Detection<Scalar>&>(),
+          std::declval<const Reference<Scalar>&>(), std::declval<const Allocation<Scalar>&>())) &&
       noexcept(std::declval<A&>().step(std::declval<const Demand<Scalar>&>(), std::declval<const Estimate<Scalar>&>(),
                                        std::declval<const Detection<Scalar>&>()));
 
@@ -31,7 +32,8 @@ class FlightStack {
         last_(idle()) {}
 
   /// One sample. The first call with a finite measurement starts the components; none before it has an effect.
-  const Allocation<Scalar>& step(const Measurement<Scalar>& y_in, const Reference<Scalar>& ref_in) noexcept(cannot_throw) {
+  const Allocation<Scalar>& step(const Measurement<Scalar>& y_in,
+                                 const Reference<Scalar>& ref_in) noexcept(cannot_throw) {
     Flags status;
     hold_last_valid(y_in, y_, y_valid_, status);
     y_.tick = y_in.tick;
