@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+/// @file  External torques on the body, in body axes. Any number; they add.
+#pragma once
+#include <array>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gyrostat/truth/waveform.hpp"
+
+namespace gyrostat::truth {
+
+/// torque_B
+struct ConstantTorque {
+  static constexpr const char* name = "constant";
+  Vec3<double> torque_B = Vec3<double>::Zero();
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.torque_B, Field{"torque_B", "N m", -infinity, infinity, "in body axes"});
+  }
+  std::string check() const { return {}; }
+};
+
+/// One waveform an axis
+struct PeriodicTorque {
+  static constexpr const char* name = "periodic";
+  std::vector<Waveform> torque_B{0.0, 0.0, 0.0};
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.torque_B, Field{"torque_B", "N m", -infinity, infinity, "one waveform a body axis"});
+  }
+  std::string check() const;
+};
+
+/// 3 orbit_rate^2 r x J r, r the direction to nadir in body axes and J the total inertia.
+///
+/// Circular orbit at the vehicle's orbit_rate; the orbital frame O (x along track, y minus orbit normal, z nadir)
+/// coincides with N at t = 0 and turns at -orbit_rate about y.
+struct GravityGradient {
+  static constexpr const char* name = "gravity_gradient";
+
+  static constexpr void describe(auto&, auto&&) {}
+  std::string check() const { return {}; }
+};
+
+/// Sines whose phase runs with the body's rate: offset_B + sum over terms j of
+/// amplitude[j] sin(multiple[j] gain |omega| t + phase[j]) on body axis axis[j].
+///
+/// Li et al. 2018, section 5: gain = 10, two terms an axis.
+struct RatePhaseTorque {
+  static constexpr const char* name = "rate_phase";
+  double gain = 10;
+  Vec3<double> offset_B = Vec3<double>::Zero();
+  std::vector<double> axis, amplitude, multiple, phase;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.gain, Field{"gain", "", -infinity, infinity, "phase rate per body rate"});
+    field(p.offset_B, Field{"offset_B", "N m", -infinity, infinity, "constant part, in body axes"});
+    field(p.axis, Field{"axis", "", 0, 2, "body axis of each term"});
+    field(p.amplitude, Field{"amplitude", "N m", -infinity, infinity, "of each term"});
+    field(p.multiple, Field{"multiple", "", -infinity, infinity, "of gain |omega| t, in each term"});
+    field(p.phase, Field{"phase", "rad", -infinity, infinity, "of each term; pi/2 makes a cosine"});
+  }
+  std::string check() const;
+};
+
+/// Waveforms that grow with the body's rate: (at_rest + growth |omega|^2) wave_B(t).
+///
+/// Cao et al. 2022: at_rest = 5e-4, growth = 0.01, unit sines and cosines.
+struct RateScaledTorque {
+  static constexpr const char* name = "rate_scaled";
+  double at_rest = 0, growth = 0;
+  std::vector<Waveform> wave_B{0.0, 0.0, 0.0};
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.at_rest, Field{"at_rest", "N m", -infinity, infinity, "factor at zero rate"});
+    field(p.growth, Field{"growth", "N m s^2/rad^2", -infinity, infinity, "of the factor with the squared rate"});
+    field(p.wave_B, Field{"wave_B", "", -infinity, infinity, "one waveform a body axis"});
+  }
+  std::string check() const;
+};
+
+using Disturbance = std::variant<ConstantTorque, PeriodicTorque, GravityGradient, RatePhaseTorque, RateScaledTorque>;
+
+const char* name_of(const Disturbance& disturbance) noexcept;
+std::string check(const Disturbance& disturbance);
+
+/// All disturbances of a run, on one smooth piece at a time.
+class Disturbances {
+ public:
+  /// @param J_total_B  inertia of body and wheels together, kg m^2
+  /// @throws std::invalid_argument
+  Disturbances(std::vector<Disturbance> list, const Mat3<double>& J_total_B, double orbit_rate);
+
+  double next_switch(double t) const noexcept;
+  /// Begins the smooth piece that contains `branch`.
+  void enter(double branch) noexcept;
+
+  /// Something depends on time or state on this piece.
+  bool varies() const noexcept { return !varying_.empty(); }
+  /// N m, the part that is constant on this piece.
+  const Vec3<double>& constant_B() const noexcept { return constant_B_; }
+  /// N m, all of it.
+  Vec3<double> torque_B(double t, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B) const noexcept;
+
+ private:
+  std::vector<Disturbance> list_;
+  std::vector<const Disturbance*> varying_;  ///< into list_, which never changes
+  Mat3<double> J_total_B_;
+  double orbit_rate_, branch_ = 0;
+  Vec3<double> constant_B_ = Vec3<double>::Zero();
+};
+
+}  // namespace gyrostat::truth
