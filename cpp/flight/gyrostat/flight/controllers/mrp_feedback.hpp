@@ -3,12 +3,12 @@
 ///
 ///   tau_B = -K sigma_BR - P omega_BR_B + feedforward of a moving reference
 ///
-/// No integral action: a constant disturbance d leaves the offset |sigma| = |d| / K. Page: docs/components/mrp_feedback.md
+/// No integral action: a constant disturbance d leaves the offset |sigma| = |d| / K, unless `compensate` takes the observer's d_B. Page: docs/components/mrp_feedback.md
 #pragma once
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/stiffness.hpp"
 #include "gyrostat/flight/controllers/tracking.hpp"
+#include "gyrostat/flight/stiffness.hpp"
 
 namespace gyrostat {
 
@@ -24,22 +24,25 @@ class MrpFeedback {
   struct Params {
     S K = S(1);
     S P = S(5);
+    bool compensate = false;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.K, Field{"K", "N m", 1e-9, 1e9, "torque per MRP; default: the torque authority at an error of 60 deg"});
-      field(p.P, Field{"P", "N m s", 1e-9, 1e9, "torque per rate; default: critical damping about the largest inertia"});
+      field(p.P,
+            Field{"P", "N m s", 1e-9, 1e9, "torque per rate; default: critical damping about the largest inertia"});
+      field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
     }
     static Params defaults(const Setup<S>& setup) noexcept {
       const Stiffness<S> k = default_stiffness(setup);
-      return {k.k_sigma, k.k_omega};
+      return {k.k_sigma, k.k_omega, false};
     }
   };
 
-  /// The sampled damping alone must be stable: P dt < 2 J for the smallest inertia.
+  /// The sampled damping must be stable about the smallest inertia.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
-    return needs_body_coordinates(setup) &&
-           Status<S>::require(p.P * setup.dt < S(2) * smallest_inertia(setup.vehicle.J_B), "P * dt", p.P * setup.dt,
-                              S(2) * smallest_inertia(setup.vehicle.J_B), "<", Status<S>::Code::unstable);
+    const S J = smallest_inertia(setup.vehicle.J_B);
+    return needs_body_coordinates(setup) && Status<S>::require(p.P * setup.dt < S(2) * J, "P * dt", p.P * setup.dt,
+                                                               S(2) * J, "<", Status<S>::Code::unstable);
   }
 
   MrpFeedback(const Setup<S>& setup, const Params& params) noexcept : vehicle_(setup.vehicle), params_(params) {}
@@ -59,6 +62,7 @@ class MrpFeedback {
     const Tracking<S> error = track(vehicle_, x, ref);
     Demand<S> out;
     out.tau_B = error.feedforward_B - params_.K * error.sigma_BR - params_.P * error.omega_BR_B;
+    if (params_.compensate) out.tau_B -= x.d_B;
     return out;
   }
 

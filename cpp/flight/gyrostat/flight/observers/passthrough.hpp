@@ -22,7 +22,9 @@ class Passthrough {
   explicit Passthrough(const Setup<S>&, const Params& = {}) noexcept {}
 
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept { return Estimate<S>::healthy(y); }
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>&) noexcept { return Estimate<S>::healthy(y); }
+  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    return Estimate<S>::healthy(y);
+  }
 
   void telemetry(auto&&) const {}
 };

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+/// @file  Bounded proportional-derivative attitude law.
+///
+///   tau_B = -kp sigma_BR - kd ws tanh(omega_BR_B / ws) + feedforward of a moving reference,   |tau_i| <= kp + kd ws at rest
+///
+/// Source: the canonical bounded law in modified Rodrigues parameters (V = w'Jw/2 + 2 kp ln(1 + sigma'sigma)); it stands in
+/// for the baseline that Li et al. 2018 cite without giving it. Page: docs/components/saturated_pd.md
+#pragma once
+#include "gyrostat/core/params.hpp"
+#include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/controllers/tracking.hpp"
+#include "gyrostat/flight/stiffness.hpp"
+
+namespace gyrostat {
+
+/// No integral action; `compensate` takes the observer's torque instead.
+template <class S>
+class SaturatedPd {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "saturated_pd";
+  static constexpr bool axiswise = true;
+  static constexpr bool regulates = true;
+
+  struct Params {
+    S kp = S(1);
+    S kd = S(5);
+    S ws = S(0.1);
+    bool compensate = false;
+
+    static constexpr void describe(auto& p, auto&& field) {
+      field(p.kp, Field{"kp", "N m", 1e-9, 1e9, "torque per MRP"});
+      field(p.kd, Field{"kd", "N m s", 1e-9, 1e9, "torque per rate, near zero"});
+      field(p.ws, Field{"ws", "rad/s", 1e-9, 1e3, "rate at which the damping saturates"});
+      field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
+    }
+
+    /// The default stiffness; the damping saturates at the torque that the attitude can ask for at most, kp.
+    static Params defaults(const Setup<S>& setup) noexcept {
+      const Stiffness<S> k = default_stiffness(setup);
+      Params p;
+      p.kp = k.k_sigma;
+      p.kd = k.k_omega;
+      p.ws = k.k_sigma / k.k_omega;
+      return p;
+    }
+  };
+
+  /// The sampled damping must be stable about the smallest inertia.
+  static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
+    const S J = smallest_inertia(setup.vehicle.J_B);
+    return needs_body_coordinates(setup) && Status<S>::require(p.kd * setup.dt < S(2) * J, "kd * dt", p.kd * setup.dt,
+                                                               S(2) * J, "<", Status<S>::Code::unstable);
+  }
+
+  SaturatedPd(const Setup<S>& setup, const Params& params) noexcept : vehicle_(setup.vehicle), params_(params) {}
+
+  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    return demand(x, ref);
+  }
+  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                               const Allocation<S>&) noexcept {
+    return demand(x, ref);
+  }
+
+  void telemetry(auto&&) const {}
+
+ private:
+  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
+    const Tracking<S> error = track(vehicle_, x, ref);
+    Vec3<S> damping;
+    for (int i = 0; i < 3; ++i) damping[i] = params_.kd * params_.ws * std::tanh(error.omega_BR_B[i] / params_.ws);
+    Demand<S> out;
+    out.tau_B = error.feedforward_B - params_.kp * error.sigma_BR - damping;
+    if (params_.compensate) out.tau_B -= x.d_B;
+    return out;
+  }
+
+  Vehicle<S> vehicle_;
+  Params params_;
+};
+
+}  // namespace gyrostat

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+/// @file  The scales that default parameters are made of: torque and acceleration at hand, stiffness, damping.
+/// Page: docs/tuning.md
+#pragma once
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "gyrostat/flight/authority.hpp"
+
+namespace gyrostat {
+
+/// Smallest principal inertia, kg m^2.
+template <class S>
+S smallest_inertia(const Mat3<S>& J_B) noexcept {
+  return Eigen::SelfAdjointEigenSolver<Mat3<S>>(J_B, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
+/// Largest principal inertia, kg m^2.
+template <class S>
+S largest_inertia(const Mat3<S>& J_B) noexcept {
+  return Eigen::SelfAdjointEigenSolver<Mat3<S>>(J_B, Eigen::EigenvaluesOnly).eigenvalues()[2];
+}
+
+/// Torque, N m, that defaults count on: what every direction has. Where that says nothing (no limit known, or a
+/// direction missing) 0.04 rad/s^2 about the axis of largest inertia.
+template <class S>
+S usable_torque(const Vehicle<S>& vehicle) noexcept {
+  const S authority = torque_authority(vehicle);
+  return std::isfinite(authority) && authority > S(0) ? authority : S(0.04) * largest_inertia(vehicle.J_B);
+}
+
+/// rad/s^2 about the axis of largest inertia.
+template <class S>
+S usable_acceleration(const Vehicle<S>& vehicle) noexcept {
+  return usable_torque(vehicle) / largest_inertia(vehicle.J_B);
+}
+
+/// Gains of tau = -k_sigma sigma - k_omega omega.
+template <class S>
+struct Stiffness {
+  S k_sigma;    ///< N m
+  S k_omega;    ///< N m s
+  S frequency;  ///< rad/s, natural frequency sqrt(k_sigma / (4 J)) about the axis of largest inertia
+};
+
+/// Rule: an error of 60 deg (sigma = tan 15 deg) asks for the usable torque, and the damping is critical about the axis
+/// of largest inertia, k_omega = sqrt(k_sigma J), since sigma is a quarter of a small angle. The natural frequency stays
+/// below 0.05 / dt.
+template <class S>
+Stiffness<S> default_stiffness(const Setup<S>& setup) noexcept {
+  const S sigma_60deg = S(0.267949192431122706);
+  const S J = largest_inertia(setup.vehicle.J_B);
+  const S wanted = std::sqrt(usable_torque(setup.vehicle) / (S(4) * J * sigma_60deg));
+  const S frequency = std::min(wanted, S(0.05) / setup.dt);
+  const S k_sigma = S(4) * J * frequency * frequency;
+  return {k_sigma, std::sqrt(k_sigma * J), frequency};
+}
+
+}  // namespace gyrostat
