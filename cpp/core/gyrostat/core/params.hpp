@@ -12,9 +12,14 @@
 /// for every element) or a Choice (an enum; the options in the order of its values) or a Switch (a bool). Defaults that
 /// depend on the vehicle are written in `static Params defaults(const Setup<S>&)`.
 #pragma once
+#include <limits>
+
 #include "gyrostat/core/signals.hpp"
 
 namespace gyrostat {
+
+/// As a bound in a Field: any finite number. An infinite bound means that infinity itself is allowed.
+inline constexpr double unbounded = std::numeric_limits<double>::max();
 
 /// A number, vector or matrix, with its unit and the closed range of each element.
 struct Field {

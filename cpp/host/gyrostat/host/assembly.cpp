@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: MIT
+#include "gyrostat/host/assembly.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <cmath>
+#include <stdexcept>
+
+#include "gyrostat/host/alternatives.hpp"
+
+namespace gyrostat::host {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
+
+const Table& table_of(const Value& value, const std::string& where) {
+  const Table* table = value.as<Table>();
+  if (table == nullptr) refuse(where + " = " + value.text() + " is " + value.kind() + "; a table belongs here");
+  return *table;
+}
+
+const Table& block(const Table& scenario, const std::string& key) {
+  static const Table empty;
+  const Value* value = scenario.find(key);
+  return value == nullptr || value->is_none() ? empty : table_of(*value, key);
+}
+
+const List& list_of(const Table& scenario, const std::string& key) {
+  static const List empty;
+  const Value* value = scenario.find(key);
+  if (value == nullptr || value->is_none()) return empty;
+  const List* list = value->as<List>();
+  if (list == nullptr) refuse(key + " = " + value->text() + " is " + value->kind() + "; a list of tables belongs here");
+  return *list;
+}
+
+std::string type_of(const Table& table, const std::string& where) {
+  const Value* type = table.find("type");
+  if (type == nullptr) refuse(where + ": type is missing");
+  const std::string* name = type->as<std::string>();
+  if (name == nullptr) refuse(where + ": type = " + type->text() + " is " + type->kind() + "; a name belongs here");
+  return *name;
+}
+
+/// A table with a type from a closed set; `fallback` is the type when the whole table is absent.
+template <class Variant>
+Variant read_typed(const std::string& family, const Table& table, const std::string& where, int actuators,
+                   const std::string& fallback = "") {
+  const std::string type = table.empty() && !fallback.empty() ? fallback : type_of(table, where);
+  return Alternatives<Variant>::read(family, type, table, Place{where + " '" + type + "'", actuators});
+}
+
+template <class Variant>
+std::vector<Variant> read_list(const std::string& family, const Table& scenario, const std::string& key, int actuators) {
+  std::vector<Variant> out;
+  const List& list = list_of(scenario, key);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::string where = key + "[" + std::to_string(i) + "]";
+    out.push_back(read_typed<Variant>(family, table_of(list[i], where), where, actuators));
+  }
+  return out;
+}
+
+ComponentSpec component(const Table& table, const std::string& where, const std::string& fallback) {
+  if (table.empty()) return {where + " '" + fallback + "'", fallback, {}};
+  const std::string type = type_of(table, where);
+  return {where + " '" + type + "'", type, table};
+}
+
+void check_inertia(const Mat3<double>& J, const std::string& where) {
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < r; ++c) {
+      if (std::abs(J(r, c) - J(c, r)) > 1e-9 * J.norm()) {
+        refuse(where + " is not symmetric: entry [" + std::to_string(c) + "][" + std::to_string(r) + "] = " + number_text(J(c, r)) +
+               " and [" + std::to_string(r) + "][" + std::to_string(c) + "] = " + number_text(J(r, c)));
+      }
+    }
+  }
+  const Vec3<double> I = Eigen::SelfAdjointEigenSolver<Mat3<double>>(J).eigenvalues();  // ascending
+  if (!(I[0] > 0)) refuse(where + " is not positive definite: smallest principal moment " + number_text(I[0]) + " kg m^2, must be > 0");
+  if (I[0] + I[1] < I[2] * (1 - 1e-9)) {
+    refuse(where + " is no inertia of a body: principal moments " + number_text(I[0]) + " + " + number_text(I[1]) + " < " +
+           number_text(I[2]) + " kg m^2 (triangle inequality)");
+  }
+}
+
+void check_rank(const Mat3N<double>& D, const std::string& where) {
+  const Eigen::MatrixXd full = D;
+  const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(full).singularValues();
+  const double smallest = s.size() < 3 ? 0.0 : s[2];
+  if (!(smallest > 1e-9 * s[0])) {
+    refuse(where + " is rank-deficient: singular values " + number_text(s[0]) + " ... " + number_text(smallest) +
+           "; at least three independent actuator axes are needed");
+  }
+}
+
+/// Lower and upper limits from a largest and an optional smallest; `lo`, `up` hold the fallback.
+void limits(const VecN<double>& u_max, const VecN<double>& u_min, VecN<double>& lo, VecN<double>& up, const std::string& where) {
+  if (u_max.size() != 0) {
+    up = u_max;
+    lo = -u_max;
+  }
+  if (u_min.size() != 0) lo = u_min;
+  for (Eigen::Index i = 0; i < up.size(); ++i) {
+    if (lo[i] > up[i]) refuse(where + ": u_min = " + number_text(lo[i]) + " is above u_max = " + number_text(up[i]) + " N m, actuator " + std::to_string(i));
+  }
+}
+
+VecN<double> or_constant(const VecN<double>& v, int n, double value) {
+  return v.size() != 0 ? v : VecN<double>(VecN<double>::Constant(n, value));
+}
+
+Mat3<double> wheel_inertia_sum(const Mat3N<double>& axes, const VecN<double>& Js) {
+  Mat3<double> sum = Mat3<double>::Zero();
+  for (Eigen::Index i = 0; i < axes.cols(); ++i) sum += Js[i] * axes.col(i) * axes.col(i).transpose();
+  return sum;
+}
+
+void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inertia) {
+  Table table = block(scenario, "vehicle");
+  if (table.empty()) refuse("vehicle is missing: J_B and D_B at least");
+  // The number of actuators is known once the axes are.
+  VehicleBlock axes;
+  Place place{"vehicle"};
+  const Value* D = table.find("D_B");
+  if (D == nullptr) place.refuse("D_B is missing: actuator axes in columns, body frame");
+  read(*D, Key{place, "D_B", -1e6, 1e6}, axes.D_B);
+  const int n = static_cast<int>(axes.D_B.cols());
+  place.actuators = n;
+  const VehicleBlock v = read_params(VehicleBlock{}, table, place);
+  check_inertia(v.J_B, "vehicle: J_B");
+  check_rank(v.D_B, "vehicle: D_B");
+
+  Vehicle<double>& vehicle = a.setup.vehicle;
+  vehicle.D_B = v.D_B;
+  vehicle.u_up = VecN<double>::Constant(n, detail::infinite);
+  vehicle.u_lo = -vehicle.u_up;
+  limits(v.u_max, v.u_min, vehicle.u_lo, vehicle.u_up, "vehicle");
+  vehicle.u_rate = or_constant(v.u_rate, n, detail::infinite);
+  vehicle.spare = v.spare;
+  vehicle.orbit_rate = v.orbit_rate;
+  vehicle.coordinates = v.coordinates;
+  wheel_inertia = or_constant(v.wheel_inertia, n, 0.0);
+  for (int i = 0; i < n; ++i) {
+    if (wheel_inertia[i] == 0.0) continue;
+    vehicle.wheels.set(i);
+    if (std::abs(v.D_B.col(i).norm() - 1.0) > 1e-6) {
+      refuse("vehicle: D_B column " + std::to_string(i) + " is a wheel axis of length " + number_text(v.D_B.col(i).norm()) + "; a unit vector belongs here");
+    }
+  }
+  vehicle.J_B = v.J_B - wheel_inertia_sum(v.D_B, wheel_inertia);
+  if (!(Eigen::SelfAdjointEigenSolver<Mat3<double>>(vehicle.J_B).eigenvalues()[0] > 0)) {
+    refuse("vehicle: J_B (of the whole vehicle) less the wheels' axial inertia is not positive definite; is J_B without the wheels?");
+  }
+}
+
+void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_inertia) {
+  const Vehicle<double>& nominal = a.setup.vehicle;
+  const int n = nominal.actuators();
+  const TruthBlock t = read_params(TruthBlock{}, block(scenario, "truth"), Place{"truth", n});
+  truth::PlantModel& plant = a.plant;
+  plant.D_B = nominal.D_B;
+  if (t.dD_B.cols() != 0) {
+    if (t.dD_B.cols() != n) refuse("truth: dD_B has " + std::to_string(t.dD_B.cols()) + " columns; the vehicle has " + std::to_string(n) + " actuators");
+    plant.D_B += t.dD_B;
+  }
+  const Mat3<double> total = nominal.J_B + wheel_inertia_sum(nominal.D_B, wheel_inertia) + t.dJ_B;
+  check_inertia(total, "truth: J_B + dJ_B");
+  plant.J_B = nominal.J_B + t.dJ_B;
+  plant.orbit_rate = nominal.orbit_rate;
+  truth::Actuators& actuators = plant.actuators;
+  actuators.u_lo = nominal.u_lo;
+  actuators.u_up = nominal.u_up;
+  limits(t.u_max, t.u_min, actuators.u_lo, actuators.u_up, "truth");
+  actuators.limit_on = t.limit_on == TruthBlock::LimitOn::command ? truth::LimitOn::command : truth::LimitOn::output;
+  actuators.wheel_inertia = wheel_inertia;
+  actuators.viscous_friction = or_constant(t.viscous_friction, n, 0.0);
+  actuators.coulomb_friction = or_constant(t.coulomb_friction, n, 0.0);
+  actuators.momentum_max = or_constant(t.momentum_max, n, detail::infinite);
+  a.vehicles.D_true_B = plant.D_B;
+}
+
+void read_faults(const Table& scenario, Assembly& a) {
+  const int n = a.setup.vehicle.actuators();
+  a.plant.faults = read_list<truth::Fault>("fault", scenario, "faults", n);
+  for (std::size_t i = 0; i < a.plant.faults.size(); ++i) {
+    std::visit(
+        [&](const auto& fault) {
+          const std::string where = "faults[" + std::to_string(i) + "] '" + fault.name + "': ";
+          if (fault.actuator >= n) {
+            refuse(where + "actuator = " + std::to_string(fault.actuator) + " is not there; the vehicle has " + std::to_string(n) +
+                   " (0 to " + std::to_string(n - 1) + ")");
+          }
+          if (!(fault.t_off > fault.t_on)) refuse(where + "t_off = " + number_text(fault.t_off) + " must be after t_on = " + number_text(fault.t_on) + " s");
+        },
+        a.plant.faults[i]);
+  }
+  if (const std::string clash = truth::contradiction(a.plant.faults); !clash.empty()) refuse(clash);
+}
+
+void read_initial(const Table& scenario, Assembly& a, const VecN<double>& wheel_inertia) {
+  const int n = a.setup.vehicle.actuators();
+  const InitialBlock i = read_params(InitialBlock{}, block(scenario, "initial"), Place{"initial", n});
+  const bool has_q = block(scenario, "initial").find("q_NB") != nullptr;
+  const bool has_mrp = !i.mrp.hasNaN(), has_euler = !i.euler.hasNaN();
+  if (int{has_q} + int{has_mrp} + int{has_euler} > 1) refuse("initial: give one of q_NB, mrp and euler");
+  a.initial.q_NB = has_mrp ? quat_from_mrp(i.mrp) : has_euler ? quat_from_euler(i.euler) : i.q_NB;
+  a.initial.omega_BN_B = i.omega_BN_B;
+  const VecN<double> speed = or_constant(i.wheel_speed, n, 0.0);
+  a.initial.h_w = VecN<double>::Zero(n);
+  for (int w = 0; w < n; ++w) {
+    if (speed[w] != 0.0 && wheel_inertia[w] == 0.0) {
+      refuse("initial: wheel_speed = " + number_text(speed[w]) + " rad/s for actuator " + std::to_string(w) + ", which has no wheel_inertia");
+    }
+    a.initial.h_w[w] = wheel_inertia[w] * (speed[w] + a.plant.D_B.col(w).dot(i.omega_BN_B));
+  }
+}
+
+void read_run(const Table& scenario, Assembly& a) {
+  Table run;
+  for (const char* key : {"duration", "dt", "seed", "allow_unstable"}) {
+    if (const Value* value = scenario.find(key)) run.set(key, *value);
+  }
+  a.run = read_params(RunBlock{}, run, Place{"scenario"});
+  const double dt = a.run.dt, duration = a.run.duration;
+  const double ticks = std::round(duration / dt);
+  if (std::abs(ticks * dt - duration) > 1e-9 * std::max(1.0, duration)) {
+    const double below = std::floor(duration / dt);
+    refuse("scenario: duration = " + number_text(duration) + " s is not a whole number of periods dt = " + number_text(dt) +
+           " s; nearest are " + number_text(below * dt) + " and " + number_text((below + 1) * dt) + " s");
+  }
+  a.ticks = static_cast<Tick>(ticks);
+  a.setup.dt = dt;
+}
+
+void refuse_unknown_keys(const Table& scenario) {
+  static const std::vector<std::string> known = {
+      "name",       "description", "duration",  "dt",     "seed",    "allow_unstable", "vehicle",   "truth",   "initial", "observer",
+      "detector",   "controller",  "allocator", "faults", "shadows", "disturbances",   "reference", "sensors", "record",  "integrator"};
+  detail::refuse_unknown(scenario, Place{"scenario"}, known);
+}
+
+template <class Base>
+Status<double> check_one(const Family<Base>& family, const Setup<double>& setup, const ComponentSpec& spec) {
+  return family.find(spec.type, spec.where).check(setup, spec.params, Place{spec.where, setup.vehicle.actuators()});
+}
+
+std::string text_of(const Status<double>& s) {
+  return std::string(s.quantity) + " = " + number_text(s.value) + ", must be " + s.relation + " " + number_text(s.limit);
+}
+
+/// Checked, then made: from outside when the type says so.
+template <class Base>
+std::unique_ptr<Base> make_one(const Family<Base>& family, const Assembly& a, const ComponentSpec& spec,
+                               const std::function<std::unique_ptr<Base>(const Setup<double>&)>& external) {
+  if (spec.type == "python") {
+    if (!external) refuse(spec.where + ": type 'python' needs a Python object for this role");
+    return external(a.setup);
+  }
+  const Status<double> status = check_one(family, a.setup, spec);
+  const bool allowed = status.code == Status<double>::Code::unstable && a.run.allow_unstable;
+  if (!status.ok() && !allowed) {
+    const bool unstable = status.code == Status<double>::Code::unstable;
+    refuse(spec.where + ": " + text_of(status) + (unstable ? " (unstable; allow_unstable = true runs it anyway)" : ""));
+  }
+  return family.find(spec.type, spec.where).make(a.setup, spec.params, Place{spec.where, a.setup.vehicle.actuators()});
+}
+
+}  // namespace
+
+Assembly assemble(const Table& scenario) {
+  refuse_unknown_keys(scenario);
+  Assembly a;
+  VecN<double> wheel_inertia;
+  read_run(scenario, a);
+  read_vehicle(scenario, a, wheel_inertia);
+  read_truth(scenario, a, wheel_inertia);
+  read_faults(scenario, a);
+  read_initial(scenario, a, wheel_inertia);
+  a.vehicles.nominal = a.setup.vehicle;
+  a.vehicles.dt = a.setup.dt;
+  const int n = a.setup.vehicle.actuators();
+  a.plant.disturbances = read_list<truth::Disturbance>("disturbance", scenario, "disturbances", n);
+  a.sensors = read_list<truth::Sensor>("sensor", scenario, "sensors", n);
+  a.plant.integrator = read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
+  a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");
+  a.observer = component(block(scenario, "observer"), "observer", "passthrough");
+  a.detector = component(block(scenario, "detector"), "detector", "none");
+  a.controller = component(block(scenario, "controller"), "controller", "mrp_feedback");
+  a.allocator = component(block(scenario, "allocator"), "allocator", "pseudo_inverse");
+  const List& shadows = list_of(scenario, "shadows");
+  for (std::size_t i = 0; i < shadows.size(); ++i) {
+    const std::string where = "shadows[" + std::to_string(i) + "]";
+    const Table& pair = table_of(shadows[i], where);
+    detail::refuse_unknown(pair, Place{where}, {"observer", "detector"});
+    a.shadows.emplace_back(component(block(pair, "observer"), where + ".observer", "passthrough"),
+                           component(block(pair, "detector"), where + ".detector", "none"));
+  }
+  a.record = block(scenario, "record");
+  return a;
+}
+
+std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponents&) {
+  std::vector<CheckRow> rows;
+  const auto add = [&](const auto& family, const ComponentSpec& spec) {
+    if (spec.type == "python") return;
+    rows.push_back({spec.where.substr(0, spec.where.find(' ')), spec.type, check_one(family, a.setup, spec)});
+  };
+  const Catalogue& c = catalogue();
+  add(c.observers, a.observer);
+  add(c.detectors, a.detector);
+  add(c.controllers, a.controller);
+  add(c.allocators, a.allocator);
+  for (const auto& [observer, detector] : a.shadows) {
+    add(c.observers, observer);
+    add(c.detectors, detector);
+  }
+  return rows;
+}
+
+Stack make_stack(const Assembly& a, const ExternalComponents& external) {
+  const Catalogue& c = catalogue();
+  return Stack(a.setup, AnyObserver(make_one(c.observers, a, a.observer, external.observer)),
+               AnyDetector(make_one(c.detectors, a, a.detector, external.detector)),
+               AnyController(make_one(c.controllers, a, a.controller, external.controller)),
+               AnyAllocator(make_one(c.allocators, a, a.allocator, external.allocator)));
+}
+
+std::vector<Shadow> make_shadows(const Assembly& a, const ExternalComponents&) {
+  const Catalogue& c = catalogue();
+  std::vector<Shadow> out;
+  for (const auto& [observer, detector] : a.shadows) {
+    out.emplace_back(a.setup.vehicle, AnyObserver(make_one(c.observers, a, observer, {})),
+                     AnyDetector(make_one(c.detectors, a, detector, {})));
+  }
+  return out;
+}
+
+}  // namespace gyrostat::host

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// @file  A scenario's table turned into the objects of a run, every number checked on the way.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "gyrostat/host/blocks.hpp"
+#include "gyrostat/host/catalogue.hpp"
+#include "gyrostat/host/recorder.hpp"
+#include "gyrostat/host/reference.hpp"
+#include "gyrostat/host/simulate.hpp"
+#include "gyrostat/truth/plant.hpp"
+#include "gyrostat/truth/sensors.hpp"
+
+namespace gyrostat::host {
+
+using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator>;
+using Shadow = Estimator<AnyObserver, AnyDetector>;
+
+/// A component as a scenario names it.
+struct ComponentSpec {
+  std::string where, type;
+  Table params;
+};
+
+/// Everything of a scenario but the flight components themselves.
+struct Assembly {
+  RunBlock run;
+  Tick ticks = 0;
+  Setup<double> setup;
+  Vehicles vehicles;
+  truth::PlantModel plant;
+  truth::InitialState initial;
+  std::vector<truth::Sensor> sensors;
+  ReferenceSpec reference;
+  ComponentSpec observer, detector, controller, allocator;
+  std::vector<std::pair<ComponentSpec, ComponentSpec>> shadows;
+  Table record;
+};
+
+/// Reads and cross-checks. Throws std::invalid_argument.
+Assembly assemble(const Table& scenario);
+
+/// What the components say of their settings; unstable ones are refused by `make_stack` unless allowed.
+std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponents& external);
+
+/// Throws std::invalid_argument for the first setting that its component refuses.
+Stack make_stack(const Assembly& a, const ExternalComponents& external);
+std::vector<Shadow> make_shadows(const Assembly& a, const ExternalComponents& external);
+
+}  // namespace gyrostat::host

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+/// @file  The blocks of a scenario that are no components: vehicle, truth, initial state, run. Data with descriptions.
+#pragma once
+#include <limits>
+#include <string>
+
+#include "gyrostat/core/params.hpp"
+
+namespace gyrostat::host {
+
+namespace detail {
+inline constexpr double none = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
+}  // namespace detail
+
+/// The nominal vehicle as a user states it.
+struct VehicleBlock {
+  static constexpr const char* name = "vehicle";
+  Mat3<double> J_B = Mat3<double>::Constant(detail::none);
+  Mat3N<double> D_B{3, 0};
+  VecN<double> u_max, u_min, u_rate, wheel_inertia;
+  Mask spare;
+  double orbit_rate = 0;
+  Coordinates coordinates = Coordinates::body;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.J_B, Field{"J_B", "kg m^2", -1e9, 1e9, "inertia of the whole vehicle, wheels included; 3 numbers are a diagonal"});
+    field(p.D_B, Field{"D_B", "", -1e6, 1e6, "actuator axes in columns, body frame"});
+    field(p.u_max, Field{"u_max", "N m", -detail::infinite, detail::infinite, "largest command that flight knows of; absent: no limit"});
+    field(p.u_min, Field{"u_min", "N m", -detail::infinite, detail::infinite, "smallest command; absent: -u_max"});
+    field(p.u_rate, Field{"u_rate", "N m/s", 0, detail::infinite, "fastest change of a command; absent: no limit"});
+    field(p.wheel_inertia, Field{"wheel_inertia", "kg m^2", 0, 1e6, "axial inertia of each wheel; 0 or absent: ideal torque actuator"});
+    field(p.spare, Field{"spare", "", 0, max_actuators - 1, "actuators that stay off until a detector enables them"});
+    field(p.orbit_rate, Field{"orbit_rate", "rad/s", 0, 1, "of a circular orbit; 0: none"});
+    field(p.coordinates, Choice{"coordinates", "body|euler_angles", "euler_angles: the printed Euler-angle plant of cao2023"});
+  }
+};
+
+/// What really flies where it differs from the nominal vehicle.
+struct TruthBlock {
+  static constexpr const char* name = "truth";
+  enum class LimitOn : std::uint8_t { command, output };
+  Mat3<double> dJ_B = Mat3<double>::Zero();
+  Mat3N<double> dD_B{3, 0};
+  VecN<double> u_max, u_min, viscous_friction, coulomb_friction, momentum_max;
+  LimitOn limit_on = LimitOn::command;
+
+  static void describe(auto& p, auto&& field) {
+    field(p.dJ_B, Field{"dJ_B", "kg m^2", -1e9, 1e9, "true inertia less the nominal"});
+    field(p.dD_B, Field{"dD_B", "", -1e6, 1e6, "true actuator axes less the nominal"});
+    field(p.u_max, Field{"u_max", "N m", -detail::infinite, detail::infinite, "true limit; absent: the vehicle's"});
+    field(p.u_min, Field{"u_min", "N m", -detail::infinite, detail::infinite, "absent: -u_max, or the vehicle's"});
+    field(p.limit_on, Choice{"limit_on", "command|output", "the limit acts on the command, or on the torque after the faults"});
+    field(p.viscous_friction, Field{"viscous_friction", "N m s", 0, 1e6, "of each wheel"});
+    field(p.coulomb_friction, Field{"coulomb_friction", "N m", 0, 1e6, "of each wheel"});
+    field(p.momentum_max, Field{"momentum_max", "N m s", 0, detail::infinite, "of each wheel; absent: no limit"});
+  }
+};
+
+/// Attitude, rate and wheel speeds at t = 0. One of q_NB, mrp and euler; none: identity.
+struct InitialBlock {
+  static constexpr const char* name = "initial";
+  Quat<double> q_NB = Quat<double>::Identity();
+  Vec3<double> mrp = Vec3<double>::Constant(detail::none), euler = Vec3<double>::Constant(detail::none);
+  Vec3<double> omega_BN_B = Vec3<double>::Zero();
+  VecN<double> wheel_speed;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.q_NB, Field{"q_NB", "", -1.1, 1.1, "attitude as a quaternion, scalar first"});
+    field(p.mrp, Field{"mrp", "", -1e3, 1e3, "attitude as MRP, instead of q_NB"});
+    field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "attitude as roll, pitch, yaw, instead of q_NB"});
+    field(p.omega_BN_B, Field{"omega_BN_B", "rad/s", -1e3, 1e3, "body rate"});
+    field(p.wheel_speed, Field{"wheel_speed", "rad/s", -1e6, 1e6, "of each wheel relative to the body; absent: at rest"});
+  }
+};
+
+/// Length, period and seed of a run.
+struct RunBlock {
+  static constexpr const char* name = "run";
+  double duration = detail::none, dt = detail::none;
+  std::uint64_t seed = 0;
+  bool allow_unstable = false;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.duration, Field{"duration", "s", 0, 1e9, "simulated time, a whole number of periods"});
+    field(p.dt, Field{"dt", "s", 1e-6, 1e3, "period of the flight stack"});
+    field(p.seed, Field{"seed", "", 0, 9.2e18, "of all noise"});
+    field(p.allow_unstable, Switch{"allow_unstable", "run settings whose check says unstable"});
+  }
+};
+
+}  // namespace gyrostat::host

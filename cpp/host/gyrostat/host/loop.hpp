@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+/// @file  The closed loop: sense, step the flight stack, hold the command, integrate truth to the next sample.
+#pragma once
+#include <string>
+
+#include "gyrostat/flight/stack.hpp"
+#include "gyrostat/host/reference.hpp"
+#include "gyrostat/truth/integrator.hpp"
+#include "gyrostat/truth/plant.hpp"
+#include "gyrostat/truth/sensors.hpp"
+
+namespace gyrostat::host {
+
+/// How a run ended.
+struct RunEnd {
+  enum class Code { completed, singular, non_finite, integration_failed };
+  Code code = Code::completed;
+  std::string cause;
+  double time = 0;  ///< s, last sample reached
+};
+
+/// Looks on without a part in the loop. `before` sees a measurement and what was issued over the interval just ended,
+/// `after` the same sample once the stack has stepped.
+struct NobodyWatches {
+  void before(const Measurement<double>&, const Allocation<double>&) {}
+  void after(Tick, const Measurement<double>&, const Reference<double>&) {}
+};
+
+/// Flies `ticks` intervals; samples 0 ... ticks are stepped. A failing integration or a singularity ends the run with
+/// its time and cause; an exception of a component passes through.
+template <class Stack, class Watcher = NobodyWatches>
+RunEnd fly(truth::Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stack& stack, Tick ticks,
+           Watcher&& watcher = Watcher{}) {
+  RunEnd end;
+  try {
+    for (Tick k = 0;; ++k) {
+      const Measurement<double> y = sensors.measure(k, plant.q_NB(), plant.omega_BN_B(), plant.h_w());
+      const Reference<double>& ref = reference.at(k);
+      watcher.before(y, stack.last());
+      stack.step(y, ref);
+      end.time = plant.time();
+      watcher.after(k, y, ref);
+      if (stack.last().status.has(Flag::singular)) {
+        const double pitch_deg = y.euler.angles[1] * 57.295779513082320877;
+        end.code = RunEnd::Code::singular;
+        end.cause = "Euler angles are singular: pitch " + std::to_string(pitch_deg) + " deg at t = " + std::to_string(end.time) + " s";
+        return end;
+      }
+      if (k == ticks) return end;
+      plant.advance(stack.last().u);
+    }
+  } catch (const truth::NonFiniteState& e) {
+    end.code = RunEnd::Code::non_finite;
+    end.cause = e.what();
+  } catch (const truth::IntegrationError& e) {
+    end.code = RunEnd::Code::integration_failed;
+    end.cause = e.what();
+  }
+  return end;
+}
+
+}  // namespace gyrostat::host

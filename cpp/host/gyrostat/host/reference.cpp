@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "gyrostat/host/reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace gyrostat::host {
+namespace {
+
+[[noreturn]] void refuse(const std::string& where, const std::string& what) { throw std::invalid_argument(where + ": " + what); }
+
+Vec3<double> wave(const Vec3<double>& offset, const Vec3<double>& amplitude, const Vec3<double>& frequency,
+                  const Vec3<double>& phase, double t, int derivative) {
+  Vec3<double> out;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = frequency[i] * t + phase[i];
+    switch (derivative) {
+      case 0: out[i] = offset[i] + amplitude[i] * std::sin(angle); break;
+      case 1: out[i] = amplitude[i] * frequency[i] * std::cos(angle); break;
+      default: out[i] = -amplitude[i] * frequency[i] * frequency[i] * std::sin(angle);
+    }
+  }
+  return out;
+}
+
+/// Fills the Euler side from attitude, rate and acceleration: angles'' = E^-1 (omega' - E' angles').
+void add_euler(Reference<double>& r) {
+  r.euler.angles = euler(r.q_NR);
+  const Mat3<double> E = euler_rate_matrix(r.euler.angles);
+  if (std::abs(std::cos(r.euler.angles[1])) < 1e-9) return;  // no rates at gimbal lock; laws that need them stop the run
+  const Mat3<double> E_inv = E.inverse();
+  r.euler.rates = E_inv * r.omega_RN_R;
+  r.euler_accelerations = E_inv * (r.omegadot_RN_R - euler_rate_matrix_rate(r.euler.angles, r.euler.rates) * r.euler.rates);
+}
+
+void evaluate_mrp(const MrpSine& p, double t, Reference<double>& r) {
+  const Vec3<double> s = wave(p.offset, p.amplitude, p.frequency, p.phase, t, 0);
+  const Vec3<double> sdot = wave(p.offset, p.amplitude, p.frequency, p.phase, t, 1);
+  const Vec3<double> sddot = wave(p.offset, p.amplitude, p.frequency, p.phase, t, 2);
+  const Mat3<double> G_inv = mrp_rate_matrix_inverse(s);
+  r.q_NR = quat_from_mrp(s);
+  r.omega_RN_R = G_inv * sdot;
+  r.omegadot_RN_R = G_inv * (sddot - mrp_rate_matrix_rate(s, sdot) * r.omega_RN_R);
+  add_euler(r);
+}
+
+void evaluate_euler(const EulerSine& p, double t, Reference<double>& r) {
+  r.euler.angles = wave(p.offset, p.amplitude, p.frequency, p.phase, t, 0);
+  r.euler.rates = wave(p.offset, p.amplitude, p.frequency, p.phase, t, 1);
+  r.euler_accelerations = wave(p.offset, p.amplitude, p.frequency, p.phase, t, 2);
+  const Mat3<double> E = euler_rate_matrix(r.euler.angles);
+  r.q_NR = quat_from_euler(r.euler.angles);
+  r.omega_RN_R = E * r.euler.rates;
+  r.omegadot_RN_R = E * r.euler_accelerations + euler_rate_matrix_rate(r.euler.angles, r.euler.rates) * r.euler.rates;
+}
+
+void evaluate_slew(const Slew& p, double t, Reference<double>& r) {
+  const Quat<double> from = quat_from_euler(p.from);
+  const Vec3<double> turn = quat_log<double>(from.conjugate() * quat_from_euler(p.to));  // constant axis in R
+  const double x = std::clamp((t - p.start) / p.duration, 0.0, 1.0);
+  const double angle = x * x * x * (10 + x * (-15 + 6 * x));
+  const double rate = x * x * (30 + x * (-60 + 30 * x)) / p.duration;
+  const double acceleration = x * (60 + x * (-180 + 120 * x)) / (p.duration * p.duration);
+  r.q_NR = from * quat_exp<double>(angle * turn);
+  r.omega_RN_R = rate * turn;
+  r.omegadot_RN_R = acceleration * turn;
+  add_euler(r);
+}
+
+}  // namespace
+
+ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& where) : spec_(std::move(spec)), dt_(dt) {
+  if (const Hold* p = std::get_if<Hold>(&spec_)) {
+    const bool has_mrp = !p->mrp.hasNaN(), has_euler = !p->euler.hasNaN();
+    const bool has_q = p->q_NR.w() != 1.0;
+    if (int{has_mrp} + int{has_euler} + int{has_q} > 1) refuse(where, "give one of q_NR, mrp and euler");
+    now_.q_NR = has_mrp ? quat_from_mrp(p->mrp) : has_euler ? quat_from_euler(p->euler) : p->q_NR;
+    add_euler(now_);
+    if (has_euler) now_.euler.angles = p->euler;
+  } else if (const Steps* steps = std::get_if<Steps>(&spec_)) {
+    const bool use_mrp = !steps->mrp.empty();
+    const std::vector<std::vector<double>>& rows = use_mrp ? steps->mrp : steps->euler;
+    if (use_mrp && !steps->euler.empty()) refuse(where, "give one of euler and mrp");
+    if (steps->times.empty() || rows.size() != steps->times.size()) {
+      refuse(where, std::to_string(steps->times.size()) + " times and " + std::to_string(rows.size()) + " attitudes; one a time belongs here");
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (rows[i].size() != 3) refuse(where, "an attitude has " + std::to_string(rows[i].size()) + " numbers; 3 belong here");
+      if (i > 0 && steps->times[i] <= steps->times[i - 1]) refuse(where, "times must increase");
+      const Vec3<double> row(rows[i][0], rows[i][1], rows[i][2]);
+      stops_.push_back(use_mrp ? quat_from_mrp(row) : quat_from_euler(row));
+    }
+  } else if (const RateSine* sine = std::get_if<RateSine>(&spec_)) {
+    now_.q_NR = quat_from_euler(sine->euler);
+  }
+}
+
+const Reference<double>& ReferencePath::at(Tick tick) {
+  if (tick >= next_) {
+    evaluate(tick);
+    next_ = tick + 1;
+  }
+  return now_;
+}
+
+void ReferencePath::evaluate(Tick tick) {
+  const double t = static_cast<double>(tick) * dt_;
+  if (std::holds_alternative<Hold>(spec_)) return;
+  if (const Steps* steps = std::get_if<Steps>(&spec_)) {
+    std::uint32_t reached = 0;  // a step within 1e-9 s of a sample happens at it
+    while (reached < steps->times.size() && steps->times[reached] <= t + 1e-9) ++reached;
+    const std::uint32_t current = reached == 0 ? 0 : reached - 1;
+    if (tick == 0 || current != now_.event) {
+      now_.q_NR = stops_[current];
+      now_.event = current;
+      add_euler(now_);
+    }
+  } else if (const Slew* slew = std::get_if<Slew>(&spec_)) {
+    evaluate_slew(*slew, t, now_);
+  } else if (const MrpSine* p = std::get_if<MrpSine>(&spec_)) {
+    evaluate_mrp(*p, t, now_);
+  } else if (const EulerSine* e = std::get_if<EulerSine>(&spec_)) {
+    evaluate_euler(*e, t, now_);
+  } else if (const RateSine* s = std::get_if<RateSine>(&spec_)) {
+    const auto omega = [&](double time, int d) {
+      return wave(Vec3<double>::Zero(), s->amplitude, s->frequency, s->phase, time, d);
+    };
+    for (Tick k = next_; k <= tick; ++k) {  // fourth-order Magnus step with two Gauss points: exact to O(dt^5)
+      if (k == 0) continue;
+      const double t0 = static_cast<double>(k - 1) * dt_, mid = t0 + dt_ / 2, offset = dt_ * std::sqrt(3.0) / 6;
+      const Vec3<double> a = omega(mid - offset, 0), b = omega(mid + offset, 0);
+      now_.q_NR = (now_.q_NR * quat_exp<double>(dt_ / 2 * (a + b) + dt_ * dt_ * std::sqrt(3.0) / 12 * a.cross(b))).normalized();
+    }
+    now_.omega_RN_R = omega(t, 0);
+    now_.omegadot_RN_R = omega(t, 1);
+    add_euler(now_);
+  }
+}
+
+}  // namespace gyrostat::host

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+/// @file  What the vehicle should do: references with exact derivatives, one struct a kind, data only.
+#pragma once
+#include <limits>
+#include <numbers>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gyrostat/core/attitude.hpp"
+#include "gyrostat/core/params.hpp"
+
+namespace gyrostat::host {
+
+namespace detail {
+inline Vec3<double> absent() { return Vec3<double>::Constant(std::numeric_limits<double>::quiet_NaN()); }
+}  // namespace detail
+
+/// Hold one attitude: q_NR, or mrp, or euler.
+struct Hold {
+  static constexpr const char* name = "hold";
+  Quat<double> q_NR = Quat<double>::Identity();
+  Vec3<double> mrp = detail::absent(), euler = detail::absent();
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.q_NR, Field{"q_NR", "", -1, 1, "attitude as a quaternion, scalar first"});
+    field(p.mrp, Field{"mrp", "", -unbounded, unbounded, "attitude as MRP, instead of q_NR"});
+    field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "attitude as roll, pitch, yaw, instead of q_NR"});
+  }
+};
+
+/// Jump to a new attitude at each time; every jump counts as an event.
+struct Steps {
+  static constexpr const char* name = "steps";
+  std::vector<double> times;
+  std::vector<std::vector<double>> euler, mrp;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.times, Field{"times", "s", 0, unbounded, "instants of the jumps, increasing; the first attitude holds before them too"});
+    field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "one row [roll, pitch, yaw] a time"});
+    field(p.mrp, Field{"mrp", "", -unbounded, unbounded, "one row a time, instead of euler"});
+  }
+};
+
+/// Rest-to-rest slew about the eigenaxis with a quintic angle profile (rate and acceleration zero at both ends).
+struct Slew {
+  static constexpr const char* name = "slew";
+  Vec3<double> from = Vec3<double>::Zero(), to = Vec3<double>::Zero();
+  double start = 0, duration = std::numeric_limits<double>::quiet_NaN();
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.from, Field{"from", "rad", -unbounded, unbounded, "roll, pitch, yaw before"});
+    field(p.to, Field{"to", "rad", -unbounded, unbounded, "roll, pitch, yaw after"});
+    field(p.start, Field{"start", "s", 0, unbounded, "when it begins"});
+    field(p.duration, Field{"duration", "s", 1e-9, unbounded, "how long it takes"});
+  }
+};
+
+/// MRP on sines: sigma_i = offset_i + amplitude_i sin(frequency_i t + phase_i).
+struct MrpSine {
+  static constexpr const char* name = "mrp_sine";
+  Vec3<double> offset = Vec3<double>::Zero(), amplitude = Vec3<double>::Zero(), frequency = Vec3<double>::Zero(),
+               phase = Vec3<double>::Zero();
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.offset, Field{"offset", "", -10, 10, "mean MRP"});
+    field(p.amplitude, Field{"amplitude", "", -10, 10, "of each component"});
+    field(p.frequency, Field{"frequency", "rad/s", -1e3, 1e3, "of each component"});
+    field(p.phase, Field{"phase", "rad", -unbounded, unbounded, "of each component"});
+  }
+};
+
+/// Euler angles on sines: angle_i = offset_i + amplitude_i sin(frequency_i t + phase_i).
+struct EulerSine {
+  static constexpr const char* name = "euler_sine";
+  Vec3<double> offset = Vec3<double>::Zero(), amplitude = Vec3<double>::Zero(), frequency = Vec3<double>::Zero(),
+               phase = Vec3<double>::Zero();
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.offset, Field{"offset", "rad", -unbounded, unbounded, "mean roll, pitch, yaw"});
+    field(p.amplitude, Field{"amplitude", "rad", -unbounded, unbounded, "of each angle"});
+    field(p.frequency, Field{"frequency", "rad/s", -1e3, 1e3, "of each angle"});
+    field(p.phase, Field{"phase", "rad", -unbounded, unbounded, "of each angle"});
+  }
+};
+
+/// Body rate of the reference on sines, integrated from an attitude: omega_i = amplitude_i sin(frequency_i t + phase_i).
+struct RateSine {
+  static constexpr const char* name = "sine";
+  Vec3<double> euler = Vec3<double>::Zero(), amplitude = Vec3<double>::Zero(), frequency = Vec3<double>::Zero(),
+               phase = Vec3<double>::Zero();
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "roll, pitch, yaw at the start"});
+    field(p.amplitude, Field{"amplitude", "rad/s", -10, 10, "of each rate"});
+    field(p.frequency, Field{"frequency", "rad/s", -1e3, 1e3, "of each rate"});
+    field(p.phase, Field{"phase", "rad", -unbounded, unbounded, "of each rate"});
+  }
+};
+
+using ReferenceSpec = std::variant<Hold, Steps, Slew, MrpSine, EulerSine, RateSine>;
+
+/// A reference in time. Samples must be asked in order of their tick (RateSine integrates).
+class ReferencePath {
+ public:
+  /// Throws std::invalid_argument with one line.
+  ReferencePath(ReferenceSpec spec, double dt, const std::string& where = "reference");
+
+  /// The reference at t = tick dt.
+  const Reference<double>& at(Tick tick);
+
+ private:
+  void evaluate(Tick tick);
+
+  ReferenceSpec spec_;
+  double dt_;
+  Reference<double> now_;
+  Tick next_ = 0;
+  std::vector<Quat<double>> stops_;  // Steps: one a time
+};
+
+}  // namespace gyrostat::host

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "gyrostat/host/simulate.hpp"
+
+#include <chrono>
+#include <stdexcept>
+
+#include "gyrostat/host/assembly.hpp"
+
+namespace gyrostat::host {
+namespace {
+
+/// Counters of components, detector and reference, turned into events when they go up.
+class EventLog {
+ public:
+  explicit EventLog(const std::vector<Reported>& components) {
+    for (const Reported& r : components) {
+      std::vector<TelemetryEntry> entries;
+      r.component->entries(entries);
+      std::size_t offset = 0, counters = 0;
+      for (const TelemetryEntry& e : entries) {
+        if (e.counter) {
+          counters_.push_back({r.role + "." + e.name, sources_.size(), offset, 0});
+          ++counters;
+        }
+        offset += static_cast<std::size_t>(e.width);
+      }
+      if (counters > 0) sources_.push_back({r.component, std::vector<double>(offset)});
+    }
+  }
+
+  void look(double t, const Detection<double>& det, const Reference<double>& ref) {
+    count(t, "detector.event", static_cast<int>(det.event), detections_);
+    count(t, "reference.event", static_cast<int>(ref.event), references_);
+    for (Source& s : sources_) s.component->values(s.row.data());
+    for (CounterView& c : counters_) count(t, c.name, static_cast<int>(sources_[c.source].row[c.offset]), c.seen);
+  }
+
+  std::vector<Event> take() && { return std::move(events_); }
+
+ private:
+  struct Source {
+    const Reporting* component;
+    std::vector<double> row;
+  };
+  struct CounterView {
+    std::string name;
+    std::size_t source, offset;
+    int seen;
+  };
+
+  void count(double t, const std::string& name, int now, int& seen) {
+    if (now > seen) events_.push_back({t, name, now});
+    seen = now;
+  }
+
+  std::vector<Source> sources_;
+  std::vector<CounterView> counters_;
+  std::vector<Event> events_;
+  int detections_ = 0, references_ = 0;
+};
+
+/// Calls `progress` about five times a second.
+class ProgressClock {
+ public:
+  ProgressClock(std::function<void(double)> progress, Tick ticks) : progress_(std::move(progress)), ticks_(ticks) {}
+
+  void look(Tick k) {
+    if (!progress_ || k % 256 != 0) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(200)) return;
+    last_ = now;
+    progress_(ticks_ == 0 ? 1.0 : static_cast<double>(k) / static_cast<double>(ticks_));
+  }
+
+ private:
+  std::function<void(double)> progress_;
+  Tick ticks_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Everything that looks on while the loop flies: shadows, recorder, events, progress.
+class Watcher {
+ public:
+  Watcher(const Assembly& a, const truth::Plant& plant, const Stack& stack, std::vector<Shadow>& shadows,
+          const std::vector<Reported>& components, Recorder* recorder, std::size_t every, std::function<void(double)> progress)
+      : plant_(plant), stack_(stack), shadows_(shadows), recorder_(recorder), every_(every), ticks_(a.ticks),
+        events_(components), clock_(std::move(progress), a.ticks), moment_(a.vehicles, plant),
+        previous_(recorder != nullptr && recorder->needs_previous()) {
+    u_held_ = VecN<double>::Zero(a.setup.vehicle.actuators());
+    omega_before_ = plant.omega_BN_B();
+    h_w_before_ = plant.h_w();
+  }
+
+  void before(const Measurement<double>& y, const Allocation<double>& last) {
+    if (previous_ && started_) u_held_ = last.u;
+    if (!shadows_.empty() && is_finite(y)) {
+      for (Shadow& s : shadows_) started_ ? s.step(y, last) : s.start(y);
+    }
+    started_ = true;
+  }
+
+  void after(Tick k, const Measurement<double>& y, const Reference<double>& ref) {
+    events_.look(plant_.time(), stack_.detection(), ref);
+    if (recorder_ != nullptr && (k % every_ == 0 || k == ticks_)) {
+      moment_.advance(plant_.time());
+      moment_.y = &y;
+      moment_.ref = &ref;
+      moment_.x = &stack_.estimate();
+      moment_.det = &stack_.detection();
+      moment_.demand = &stack_.demand();
+      moment_.last = &stack_.last();
+      moment_.u_held = &u_held_;
+      moment_.omega_before_B = &omega_before_;
+      moment_.h_w_before = &h_w_before_;
+      recorder_->record(moment_);
+    }
+    if (previous_) {
+      omega_before_ = plant_.omega_BN_B();
+      h_w_before_ = plant_.h_w();
+    }
+    clock_.look(k);
+  }
+
+  std::vector<Event> take_events() && { return std::move(events_).take(); }
+
+ private:
+  const truth::Plant& plant_;
+  const Stack& stack_;
+  std::vector<Shadow>& shadows_;
+  Recorder* recorder_;
+  std::size_t every_;
+  Tick ticks_;
+  EventLog events_;
+  ProgressClock clock_;
+  Moment moment_;
+  bool previous_, started_ = false;
+  VecN<double> u_held_, h_w_before_;
+  Vec3<double> omega_before_;
+};
+
+struct Parts {
+  Stack stack;
+  std::vector<Shadow> shadows;
+  std::vector<Reported> components;
+  std::vector<ShadowView> views;
+
+  Parts(const Assembly& a, const ExternalComponents& external) : stack(make_stack(a, external)), shadows(make_shadows(a, external)) {
+    components = {{"observer", &stack.estimator.observer.reporting()},
+                  {"detector", &stack.estimator.detector.reporting()},
+                  {"controller", &stack.controller.reporting()},
+                  {"allocator", &stack.allocator.reporting()}};
+    for (std::size_t i = 0; i < shadows.size(); ++i) {
+      const std::string role = "shadow" + std::to_string(i);
+      components.push_back({role + ".observer", &shadows[i].observer.reporting()});
+      components.push_back({role + ".detector", &shadows[i].detector.reporting()});
+      views.push_back({role, &shadows[i].estimate(), &shadows[i].detection()});
+    }
+  }
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+};
+
+/// The [record] block; options of the call win.
+RunOptions with_record_block(RunOptions options, const Table& record) {
+  const Place place{"record"};
+  detail::refuse_unknown(record, place, {"channels", "every"});
+  if (const Value* every = record.find("every"); every != nullptr && options.every == 1) {
+    int n = 1;
+    read(*every, Key{place, "every", 1, 1e9}, n);
+    options.every = static_cast<std::size_t>(n);
+  }
+  if (const Value* channels = record.find("channels"); channels != nullptr && options.channels.empty()) {
+    const List* list = channels->as<List>();
+    if (list == nullptr) Key{place, "channels"}.refuse(*channels, "must be a list of names");
+    for (const Value& name : *list) {
+      std::string text;
+      read(name, Key{place, "channels"}, text);
+      options.channels.push_back(text);
+    }
+  }
+  if (options.every == 0) place.refuse("every = 0 must be at least 1");
+  return options;
+}
+
+Table resolved(const std::vector<ParamInfo>& params, const Table& given, const std::string& type = "") {
+  Table out;
+  if (!type.empty()) out.set("type", type);
+  for (const ParamInfo& p : params) {
+    const Value* v = given.find(p.name);
+    const Value& chosen = v != nullptr && !v->is_none() ? *v : p.default_value;
+    if (!chosen.is_none()) out.set(p.name, chosen);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& external) {
+  const Assembly a = assemble(scenario);
+  (void)truth::Plant(a.plant, a.initial, a.setup.dt);
+  (void)ReferencePath(a.reference, a.setup.dt);
+  return check_components(a, external);
+}
+
+std::vector<ChannelInfo> channels(const Table& scenario, const ExternalComponents& external) {
+  const Assembly a = assemble(scenario);
+  const Parts parts(a, external);
+  return Recorder::offered(a.setup.vehicle.actuators(), parts.components, parts.views);
+}
+
+Table resolve(const Table& scenario, const ExternalComponents&) {
+  const Assembly a = assemble(scenario);
+  Table out = scenario;
+  const auto fill = [&](const char* key, const auto& family, const ComponentSpec& spec) {
+    if (spec.type == "python") return;
+    out.set(key, resolved(family.find(spec.type, spec.where).describe(a.setup), spec.params, spec.type));
+  };
+  const Catalogue& c = catalogue();
+  fill("observer", c.observers, a.observer);
+  fill("detector", c.detectors, a.detector);
+  fill("controller", c.controllers, a.controller);
+  fill("allocator", c.allocators, a.allocator);
+  const auto typed = [&](const char* key, const auto& variant) {
+    std::visit([&](const auto& data) { out.set(key, resolved(describe_params(data), {}, data.name)); }, variant);
+  };
+  typed("reference", a.reference);
+  typed("integrator", a.plant.integrator);
+  return out;
+}
+
+RunResult simulate(const Table& scenario, const ExternalComponents& external, const RunOptions& given) {
+  const Assembly a = assemble(scenario);
+  const RunOptions options = with_record_block(given, a.record);
+  truth::Plant plant(a.plant, a.initial, a.setup.dt);
+  truth::Sensors sensors(a.sensors, a.setup.dt, a.run.seed, 0);
+  ReferencePath reference(a.reference, a.setup.dt);
+  Parts parts(a, external);
+  std::optional<Recorder> recorder;
+  if (options.record) {
+    const std::vector<std::string> names = options.channels.empty() ? Recorder::usual(parts.components, parts.views) : options.channels;
+    recorder.emplace(names, a.setup.vehicle.actuators(), parts.components, parts.views, a.ticks / options.every + 2);
+  }
+  Watcher watcher(a, plant, parts.stack, parts.shadows, parts.components, recorder ? &*recorder : nullptr, options.every, options.progress);
+  RunResult result;
+  result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher);
+  result.events = std::move(watcher).take_events();
+  result.statistics = plant.statistics();
+  if (recorder) {
+    result.t = recorder->times();
+    result.channels = std::move(*recorder).take();
+  }
+  return result;
+}
+
+}  // namespace gyrostat::host
