@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: MIT
+# make run: install what is missing, reproduce every paper. make test: the same set-up, then every test. make help: the rest.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+MAKEFLAGS += --no-print-directory
+
+VENV := .venv
+BIN := $(VENV)/bin
+OUT := out/report
+STEP := scripts/step
+CPP = $(shell git ls-files 'cpp/*.hpp' 'cpp/*.cpp' 'bindings/*.hpp' 'bindings/*.cpp' 'tests/*.hpp' 'tests/*.cpp' \
+        'benchmarks/*.cpp' 'examples/*.cpp' 'sundials_cfg/*.hpp')
+PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake sundials_cfg -type f \
+        -not -path '*/__pycache__/*')
+
+.PHONY: help run test cpp asan python lint bench matrix tidy format stubs clean debian-run debian-test debian-bench
+
+help:  ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+run: debian-run $(VENV)/package.stamp  ## install what is missing, reproduce every paper, leave a report in out/report
+	@$(BIN)/gyrostat reproduce all --out $(OUT)
+
+test: debian-test cpp asan python lint  ## the same set-up, then all tests, types, stubs and format
+	@echo "all tests passed"
+
+cpp: debian-test  ## C++ libraries and tests, optimised
+	@$(STEP) configure-release cmake --preset release
+	@$(STEP) build-release cmake --build --preset release
+	@$(STEP) headers-alone cmake --build --preset release --target all_verify_interface_header_sets
+	@$(STEP) ctest-release ctest --preset release
+
+asan: debian-test  ## C++ unit tests under the address and undefined-behaviour sanitizers
+	@$(STEP) configure-asan cmake --preset asan
+	@$(STEP) build-asan cmake --build --preset asan
+	@$(STEP) ctest-asan ctest --preset asan
+
+python: debian-run $(VENV)/package.stamp $(VENV)/test.stamp  ## Python tests, types and stubs
+	@$(STEP) pytest $(BIN)/pytest
+	@$(STEP) mypy $(BIN)/mypy
+	@$(STEP) stubs scripts/stubs $(BIN) --check
+
+lint: $(VENV)/test.stamp  ## format and lint, nothing is changed
+	@$(STEP) ruff-check $(BIN)/ruff check
+	@$(STEP) ruff-format $(BIN)/ruff format --check
+	@$(STEP) clang-format $(BIN)/clang-format --dry-run --Werror $(CPP)
+
+format: $(VENV)/test.stamp  ## format everything
+	@$(BIN)/ruff check --fix --quiet || true
+	@$(BIN)/ruff format --quiet
+	@$(BIN)/clang-format -i $(CPP)
+
+stubs: $(VENV)/package.stamp $(VENV)/test.stamp  ## write python/gyrostat/_core.pyi anew
+	@scripts/stubs $(BIN)
+
+bench: debian-bench  ## benchmarks; each prints its table
+	@$(STEP) configure-bench cmake --preset bench
+	@$(STEP) build-bench cmake --build --preset bench
+	@for b in build/bench/benchmarks/bench_*; do [ -x $$b ] && [ -f $$b ] && echo "== $${b##*/}" && $$b; done
+
+matrix: debian-test  ## the flight code and its tests with every compiler found
+	@scripts/matrix
+
+tidy: debian-test  ## clang-tidy over our own sources
+	@$(STEP) configure-dev cmake --preset dev
+	@$(STEP) clang-tidy run-clang-tidy -quiet -p build/dev 'cpp/(truth|host)/.*\.cpp$$'
+
+clean:  ## everything that was made here
+	rm -rf build out dist $(VENV)
+
+debian-run:
+	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev
+
+debian-test:
+	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev libgtest-dev libgmock-dev
+
+debian-bench: debian-test
+	@scripts/debian_packages libbenchmark-dev
+
+# The virtual environment carries the build requirements, so that a rebuild compiles only what changed.
+$(VENV)/venv.stamp: pyproject.toml
+	@scripts/make_venv $(VENV)
+	@touch $@
+
+$(VENV)/package.stamp: $(VENV)/venv.stamp $(PACKAGE) | debian-run
+	@$(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation .
+	@touch $@
+
+$(VENV)/test.stamp: $(VENV)/venv.stamp
+	@$(STEP) install-test-tools scripts/install_requirements $(BIN) project.optional-dependencies.test
+	@touch $@
