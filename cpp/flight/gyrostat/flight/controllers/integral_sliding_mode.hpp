@@ -44,7 +44,7 @@ class IntegralSlidingMode {
     Surface surface = Surface::inertia;
 
     static constexpr void describe(auto& p, auto&& field) {
-      constexpr double unbounded = std::numeric_limits<double>::infinity();
+      constexpr double infinite = std::numeric_limits<double>::infinity();
       NominalLaw<S>::Params::describe(p.nominal, field);
       field(p.K3, Field{"K3", "1/s (surface inertia)", 0, 1e9, "linear gain of s"});
       field(p.K4, Field{"K4", "N m (N m s)^-gamma", 0, 1e9, "gain of sig^gamma(s)"});
@@ -54,7 +54,7 @@ class IntegralSlidingMode {
       field(p.mu, Field{"mu", "N m", 0, 1e9, "floor of the switching gain"});
       field(p.gain_0, Field{"gain_0", "N m", 0, 1e9, "switching gain at start"});
       field(p.eps, Field{"eps", "N m s (surface inertia)", 0, 1e9, "boundary layer; 0: sign(s) as printed"});
-      field(p.s_lim, Field{"s_lim", "N m s", 0, unbounded,
+      field(p.s_lim, Field{"s_lim", "N m s", 0, infinite,
                            "anti-windup: largest momentum error J P^-1 s; infinite: printed integral"});
       field(p.surface, Choice{"surface", "inertia|identity", "P of the sliding surface: J (s in N m s) or I (rad/s)"});
     }

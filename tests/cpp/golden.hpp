@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+/// @file  Reads the reference rows of tests/golden.
+#pragma once
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace gyrostat::test {
+
+/// Columns by name; lines that start with # are comments.
+class Golden {
+ public:
+  explicit Golden(const std::string& file) {
+    std::ifstream in(std::string(GYROSTAT_GOLDEN_DIR) + "/" + file);
+    if (!in) throw std::runtime_error("no golden file " + file);
+    std::vector<std::string> names;
+    for (std::string line; std::getline(in, line);) {
+      if (line.empty() || line[0] == '#') continue;
+      std::stringstream cells(line);
+      std::string cell;
+      if (names.empty()) {
+        while (std::getline(cells, cell, ',')) names.push_back(cell);
+      } else {
+        for (const std::string& name : names) {
+          std::getline(cells, cell, ',');
+          columns_[name].push_back(std::stod(cell));
+        }
+      }
+    }
+  }
+
+  bool has(const std::string& name) const { return columns_.count(name) != 0; }
+  double at(const std::string& name, std::size_t row) const { return columns_.at(name).at(row); }
+
+  /// Columns name_0, name_1, ... of a row.
+  std::vector<double> vector(const std::string& name, std::size_t row) const {
+    std::vector<double> out;
+    for (int i = 0; has(name + "_" + std::to_string(i)); ++i) out.push_back(at(name + "_" + std::to_string(i), row));
+    return out;
+  }
+
+  /// Largest magnitude of a vector's columns over the first `rows`.
+  double scale(const std::string& name, std::size_t rows) const {
+    double largest = 0;
+    for (std::size_t k = 0; k < rows; ++k)
+      for (const double x : vector(name, k)) largest = std::max(largest, std::abs(x));
+    return largest;
+  }
+
+ private:
+  std::map<std::string, std::vector<double>> columns_;
+};
+
+}  // namespace gyrostat::test
