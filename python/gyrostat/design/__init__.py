@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: MIT
+"""Gain design and theorem margins, in numpy."""
+
+from gyrostat.design.compensation import CompensationMargin, compensation_margin, critical_effectiveness
+
+__all__ = ["CompensationMargin", "compensation_margin", "critical_effectiveness"]

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: MIT
+"""Metrics of a run. The functions live in C++, once, and serve single runs, claims and campaigns alike.
+
+Times are absolute, in seconds; a signal has shape (n,) or (n, k), and its size at an instant is the largest ``|x_i|``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gyrostat._core import (
+    energy,
+    fraction_at_limit,
+    settling_time,
+    total_variation,
+    window_max,
+    window_rms,
+)
+
+if TYPE_CHECKING:
+    from gyrostat.results import Result
+
+DEFAULT_BAND = math.radians(0.1)
+"""Pointing error that counts as settled unless said otherwise: 0.1 deg."""
+
+
+class Metrics:
+    """Numbers that sum up one run; each is computed when it is asked for.
+
+    A metric whose channels were not recorded raises `KeyError` naming the channel.
+    """
+
+    def __init__(self, result: Result) -> None:
+        self._result = result
+
+    @property
+    def last_fault(self) -> float:
+        """Onset of the last fault, s; 0 without faults."""
+        faults = self._result.description.get("faults", [])
+        return max((float(fault.get("t_on", 0.0)) for fault in faults), default=0.0)
+
+    @property
+    def settling_time(self) -> float:
+        """Time from the last fault until the pointing error stays below 0.1 deg, s; nan if it does not."""
+        return self.settling()
+
+    def settling(self, band: float = DEFAULT_BAND, signal: str = "error.angle") -> float:
+        """Time from the last fault until a signal stays inside a band to the end, s; nan if it does not."""
+        onset = self.last_fault
+        return settling_time(self._result.t, self._result[signal], band, onset) - onset
+
+    @property
+    def pointing_error(self) -> float:
+        """Root mean square of the pointing error over the last tenth of the run, rad."""
+        t = self._result.t
+        return window_rms(t, self._result["error.angle"], t[0] + 0.9 * (t[-1] - t[0]), t[-1])
+
+    @property
+    def final_error(self) -> float:
+        """Pointing error at the end, rad."""
+        return float(self._result["error.angle"][-1])
+
+    @property
+    def peak_error_after_fault(self) -> float:
+        """Largest pointing error from the last fault on, rad."""
+        t = self._result.t
+        return window_max(t, self._result["error.angle"], min(self.last_fault, t[-1]), t[-1])
+
+    @property
+    def energy(self) -> float:
+        """Integral of ``u'u``, N^2 m^2 s."""
+        return energy(self._result.t, self._result["allocation.u"])
+
+    @property
+    def command_variation(self) -> float:
+        """Mean total variation of the commands, N m/s: what a chattering law shows in."""
+        t = self._result.t
+        return total_variation(t, self._result["allocation.u"], t[0], t[-1])
+
+    @property
+    def saturated_fraction(self) -> float:
+        """Fraction of samples at which at least one command stands at its limit."""
+        return fraction_at_limit(self._result["allocation.u"], self._limit())
+
+    def to_dict(self) -> dict[str, float | None]:
+        """All of them by name; None where a channel was not recorded or the value is not finite."""
+        return {name: self._value(name) for name in _names}
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name:24} {value}" for name, value in self.to_dict().items())
+
+    def _value(self, name: str) -> float | None:
+        try:
+            value = float(getattr(self, name))
+        except KeyError:
+            return None
+        return value if math.isfinite(value) else None
+
+    def _limit(self) -> Any:
+        u = self._result["allocation.u"]
+        limit = self._result.description["vehicle"].get("u_max", np.inf)
+        return np.broadcast_to(np.asarray(limit, dtype=float), u.shape[1:]).copy()
+
+
+_names = (
+    "settling_time",
+    "pointing_error",
+    "final_error",
+    "peak_error_after_fault",
+    "energy",
+    "command_variation",
+    "saturated_fraction",
+)
+
+__all__ = [
+    "Metrics",
+    "energy",
+    "fraction_at_limit",
+    "settling_time",
+    "total_variation",
+    "window_max",
+    "window_rms",
+]

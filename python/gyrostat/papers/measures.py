@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: MIT
+"""How a claim measures: a small table of metric functions, called with a result and the arguments of the claim.
+
+Every metric takes the result and keyword arguments. One that asks for ``signal`` gets the named signal as an array, one
+that asks for ``against`` the result of another case.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Container, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrostat import metrics
+from gyrostat.errors import InputError, suggestion
+from gyrostat.results import Result
+
+Array = NDArray[np.float64]
+Metric = Callable[..., float]
+Window = tuple[float, float] | list[float]
+
+_whole = (-math.inf, math.inf)
+
+
+def settling_time(result: Result, *, signal: Array, band: float, after: float = 0.0) -> float:
+    """First instant, s, after which the signal stays below `band` to the end. Not measured when it never does."""
+    _reaches(result, result.t[0], _planned_end(result))
+    return metrics.settling_time(result.t, signal, band, after)
+
+
+def window_max(result: Result, *, signal: Array, window: Window = _whole) -> float:
+    """Largest ``|signal|`` in a window of time."""
+    return metrics.window_max(result.t, signal, *_reaches(result, *window))
+
+
+def window_min(result: Result, *, signal: Array, window: Window = _whole) -> float:
+    """Smallest value (signed) in a window of time."""
+    t0, t1 = _reaches(result, *window)
+    return float(np.min(signal[(result.t >= t0) & (result.t <= t1)]))
+
+
+def window_rms(result: Result, *, signal: Array, window: Window = _whole) -> float:
+    """Root mean square in a window of time."""
+    return metrics.window_rms(result.t, signal, *_reaches(result, *window))
+
+
+def final(result: Result, *, signal: Array) -> float:
+    """Largest ``|signal|`` at the last instant."""
+    _reaches(result, result.t[0], _planned_end(result))
+    return float(np.max(np.abs(signal[-1])))
+
+
+def total_variation(result: Result, *, signal: Array, window: Window = _whole) -> float:
+    """Sum of ``|change|`` per second in a window of time."""
+    return metrics.total_variation(result.t, signal, *_reaches(result, *window))
+
+
+def fraction_at_limit(result: Result, *, signal: Array, limit: float) -> float:
+    """Fraction of samples at which a component stands at its limit."""
+    _reaches(result, *_whole)
+    return metrics.fraction_at_limit(signal, limit)
+
+
+def energy(result: Result, *, signal: Array) -> float:
+    """Integral of the squared signal."""
+    return metrics.energy(result.t, signal)
+
+
+def first_above(result: Result, *, signal: Array, band: float) -> float:
+    """First instant, s, at which ``|signal|`` exceeds `band`. Not measured when it never does."""
+    above = np.flatnonzero(np.abs(signal.reshape(len(signal), -1)).max(axis=1) > band)
+    return float(result.t[above[0]]) if above.size else math.nan
+
+
+def difference(result: Result, *, signal: Array, against: Result, other: Array, window: Window = _whole) -> float:
+    """Largest ``|signal - signal of another case|`` in a window of time; both cases must share their instants."""
+    if not np.array_equal(result.t, against.t):
+        raise ValueError("the two cases have different instants")
+    return metrics.window_max(result.t, signal - other, *_reaches(result, *window))
+
+
+def completed(result: Result) -> float:
+    """1 when the run reached its duration, else 0."""
+    return float(result.completed)
+
+
+def end_time(result: Result) -> float:
+    """Last instant reached, s."""
+    return result.end_time
+
+
+def events(result: Result, *, name: str) -> float:
+    """How often a counter moved."""
+    return float(sum(event.name == name for event in result.events))
+
+
+METRICS: dict[str, Metric] = {
+    f.__name__: f
+    for f in (
+        settling_time,
+        window_max,
+        window_min,
+        window_rms,
+        final,
+        total_variation,
+        fraction_at_limit,
+        energy,
+        first_above,
+        difference,
+        completed,
+        end_time,
+        events,
+    )
+}
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A metric with its arguments, ready to be called with a result."""
+
+    metric: Metric
+    arguments: dict[str, Any]
+    signals: Mapping[str, Callable[[Result], Array]]
+    signal: str | None = None
+    column: int | None = None
+    norm: bool = False
+    others: tuple[str, ...] = field(default=())
+
+    @classmethod
+    def of(
+        cls,
+        table: Mapping[str, Any],
+        known: Mapping[str, Metric],
+        signals: Mapping[str, Callable[[Result], Array]],
+        cases: Container[str],
+    ) -> Measure:
+        """From the ``measure`` table of a claim; names and arguments are checked now, not after an hour of running."""
+        arguments = dict(table)
+        name = str(arguments.pop("metric", ""))
+        if name not in known:
+            raise InputError(f"unknown metric '{name}'{suggestion(name, known)}")
+        signal, column = arguments.pop("signal", None), arguments.pop("column", None)
+        norm, against = arguments.pop("norm", False), arguments.pop("against", None)
+        if against is not None and against not in cases:
+            raise InputError(f"no case '{against}' to compare with")
+        given = dict(arguments)
+        given |= {"signal": 0} if signal is not None else {}
+        given |= {"against": 0, "other": 0} if against is not None else {}
+        try:
+            inspect.signature(known[name]).bind(None, **given)
+        except TypeError as error:
+            raise InputError(f"metric '{name}': {error}") from None
+        others = () if against is None else (str(against),)
+        return cls(known[name], arguments, signals, signal, column, norm, others)
+
+    def __call__(self, result: Result, results: Mapping[str, Result]) -> float:
+        """The measured number; `results` holds the other cases that the metric compares with."""
+        given: dict[str, Any] = dict(self.arguments)
+        if self.signal is not None:
+            given["signal"] = self._signal(result)
+        for other in self.others:
+            given |= {"against": results[other], "other": self._signal(results[other])}
+        return float(self.metric(result, **given))
+
+    def _signal(self, result: Result) -> Array:
+        assert self.signal is not None
+        x = self.signals[self.signal](result) if self.signal in self.signals else result[self.signal]
+        if self.column is not None:
+            x = x[:, self.column]
+        return np.linalg.norm(x, axis=1) if self.norm else x
+
+
+def _planned_end(result: Result) -> float:
+    return float(result.description["duration"])
+
+
+def _reaches(result: Result, t0: float, t1: float) -> tuple[float, float]:
+    """The window, cut to the run; a run that ended before it is an error, not a small number."""
+    start, end = max(t0, float(result.t[0])), min(t1, _planned_end(result))
+    if result.end_time < end - 1e-9:
+        raise ValueError(f"the run ended at {result.end_time:g} s: {result.cause or result.status}")
+    return start, end

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: MIT
+"""Figures with matplotlib. What is drawn is saved beside the picture; units stand on the axes, faults are marked."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gyrostat.files import replacing
+
+if TYPE_CHECKING:
+    from gyrostat.results import Result
+
+COLORS = ("#0b6bcb", "#d9480f", "#2b8a3e", "#7048e8", "#c2255c", "#495057")
+_max_drawn = 4000
+"""Points drawn a line; longer signals are drawn by the smallest and largest value of each stretch."""
+
+
+class Figure:
+    """Panels over a common axis of time, which remembers what it draws.
+
+    Parameters
+    ----------
+    title
+        Above the panels.
+    rows
+        Number of panels.
+    size
+        Width and height, inches.
+
+    Examples
+    --------
+    >>> figure = Figure("Wheel 2 at 40 %", rows=2)
+    >>> figure.line(0, result.t, result["error.angle"], "pointing error", "rad", log=True)
+    >>> figure.mark([(30.0, "fault")])
+    >>> figure.save("pointing.png")
+    """
+
+    def __init__(self, title: str, rows: int = 1, size: tuple[float, float] | None = None) -> None:
+        from matplotlib.figure import Figure as Canvas
+
+        self.canvas = Canvas(figsize=size or (8.0, 1.0 + 1.9 * rows), layout="constrained")
+        self.axes = self.canvas.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
+        self.data: dict[str, NDArray[np.float64]] = {}
+        self.units: dict[str, str] = {}
+        self.canvas.suptitle(title, fontsize=11)
+        self.axes[-1].set_xlabel("time (s)")
+        for axis in self.axes:
+            axis.grid(visible=True, color="#e3e6ea", linewidth=0.6)
+            axis.set_axisbelow(True)
+            for side in ("top", "right"):
+                axis.spines[side].set_visible(False)
+
+    def line(
+        self,
+        row: int,
+        t: ArrayLike,
+        x: ArrayLike,
+        name: str,
+        unit: str = "",
+        *,
+        labels: Sequence[str] = (),
+        log: bool = False,
+        style: str = "-",
+    ) -> None:
+        """Draw a signal, one line a column.
+
+        Parameters
+        ----------
+        row
+            Panel, from 0.
+        t, x
+            Instants, s, shape (n,); signal, shape (n,) or (n, k).
+        name, unit
+            Name and unit for the axis (the first signal of a panel names it) and the saved data.
+        labels
+            Of the columns, for the legend.
+        log
+            Draw ``|x|`` on a logarithmic axis.
+        style
+            Line style of matplotlib.
+        """
+        times, values = np.asarray(t, dtype=float), np.asarray(x, dtype=float)
+        self._remember(name, times, values, unit)
+        axis = self.axes[row]
+        columns = values.reshape(len(values), -1)
+        for i, column in enumerate(columns.T):
+            shown = np.where(column == 0.0, np.nan, np.abs(column)) if log else column
+            color = COLORS[len(axis.lines) % len(COLORS)]
+            label = labels[i] if i < len(labels) else name if columns.shape[1] == 1 else f"{i}"
+            axis.plot(*thin(times, shown), style, color=color, linewidth=1.1, label=label)
+        if log:
+            axis.set_yscale("log")
+        if not axis.get_ylabel():
+            axis.set_ylabel(f"{name} ({unit})" if unit else name, fontsize=9)
+        if len(axis.lines) > 1:
+            axis.legend(loc="best", fontsize=8, frameon=False, ncols=2)
+
+    def level(self, row: int, value: float, label: str) -> None:
+        """Draw a horizontal line: a limit, a published number."""
+        axis = self.axes[row]
+        axis.axhline(value, color="#868e96", linewidth=0.9, linestyle="--")
+        axis.annotate(
+            label,
+            (1.0, value),
+            xycoords=("axes fraction", "data"),
+            fontsize=7,
+            color="#868e96",
+            ha="right",
+            va="bottom",
+        )
+
+    def mark(self, instants: Iterable[tuple[float, str]]) -> None:
+        """Mark instants through all panels, with a label in the first."""
+        for t, label in instants:
+            for axis in self.axes:
+                axis.axvline(t, color="#e03131", linewidth=0.9, linestyle=":")
+            self.axes[0].annotate(
+                label, (t, 1.0), xycoords=("data", "axes fraction"), fontsize=7, color="#e03131", ha="left", va="bottom"
+            )
+
+    def window(self, t0: float, t1: float) -> None:
+        """Show a part of the time axis."""
+        self.axes[-1].set_xlim(t0, t1)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the picture (``.png``, ``.svg``, ``.pdf``) and, beside it, the data behind it (``.npz``).
+
+        Returns
+        -------
+        Path
+            The picture.
+        """
+        target = Path(path)
+        with replacing(target) as temporary:
+            self.canvas.savefig(temporary, dpi=130, metadata={"Date": None} if target.suffix == ".svg" else None)
+        with replacing(target.with_suffix(".npz")) as temporary:
+            np.savez_compressed(temporary, units=np.array(json.dumps(self.units)), **self.data)  # type: ignore[arg-type]
+        return target
+
+    def _remember(self, name: str, t: NDArray[np.float64], x: NDArray[np.float64], unit: str) -> None:
+        """Keep the full signal; equal instants are kept once."""
+        key = name.replace("/", " per ")
+        number = 2
+        while key in self.data:
+            key = f"{name} {number}"
+            number += 1
+        same = [k for k, v in self.data.items() if k.startswith("t") and np.array_equal(v, t)]
+        clock = same[0] if same else "t" if "t" not in self.data else f"t of {key}"
+        self.data.setdefault(clock, t)
+        self.data[key] = x
+        self.units |= {key: unit, clock: "s"}
+
+
+def thin(t: NDArray[np.float64], x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Few points that draw the same picture: the smallest and largest of each stretch, in order of time."""
+    stretch = len(t) // (_max_drawn // 2)
+    if stretch < 2:
+        return t, x
+    whole = len(t) // stretch * stretch
+    rows = x[:whole].reshape(-1, stretch)
+    filled = np.where(np.isnan(rows), 0.0, rows)
+    start = np.arange(len(rows)) * stretch
+    picked = np.unique(np.concatenate([start + filled.argmin(1), start + filled.argmax(1), [len(t) - 1]]))
+    return t[picked], x[picked]
+
+
+def fault_marks(result: Result) -> list[tuple[float, str]]:
+    """Onset and name of every fault of a run that starts after t = 0, one mark an instant."""
+    marks: dict[float, list[str]] = {}
+    for fault in result.description.get("faults", []):
+        onset = float(fault.get("t_on", 0.0))
+        if 0.0 < onset <= result.end_time:
+            marks.setdefault(onset, []).append(f"{fault['type'].replace('_', ' ')} {fault['actuator']}")
+    return [(t, ", ".join(names)) for t, names in sorted(marks.items())]
+
+
+def overview(result: Result) -> Figure:
+    """Pointing error, body rate, commands and effectiveness of a run, of what was recorded."""
+    panels = [
+        ("error.angle", "pointing error", "deg", (), True),
+        ("truth.omega_BN_B", "body rate", "rad/s", ("x", "y", "z"), False),
+        ("allocation.u", "command", "N m", (), False),
+        ("truth.effectiveness", "effectiveness", "", (), False),
+    ]
+    shown = [p for p in panels if p[0] in result.channels]
+    name = str(result.description.get("name") or result.description.get("description") or "run")
+    figure = Figure(name, rows=max(len(shown), 1))
+    for row, (channel, title, unit, labels, log) in enumerate(shown):
+        x = np.degrees(result[channel]) if unit == "deg" else result[channel]
+        columns = labels or tuple(f"actuator {i}" for i in range(x.shape[1] if x.ndim > 1 else 1))
+        figure.line(row, result.t, x, title, unit, labels=columns if x.ndim > 1 else (), log=log)
+    if "estimate.effectiveness" in result.channels and "truth.effectiveness" in result.channels:
+        labels = tuple(f"estimate {i}" for i in range(result["estimate.effectiveness"].shape[1]))
+        figure.line(len(shown) - 1, result.t, result["estimate.effectiveness"], "estimate", labels=labels, style="--")
+    figure.mark(fault_marks(result))
+    return figure

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: MIT
+"""What a Python object must offer to fly in the loop in place of a catalogue component.
+
+Each role needs ``step``; ``setup(setup)`` (called once before the run with vehicle and period), ``start`` (tick 0, when
+no interval has passed; same arguments as ``step`` without ``last``) and ``reset`` are optional. The signals are
+read-only and carry the names of the C++ contract: ``x.q_NB``, ``x.omega_BN_B``, ``ref.q_NR``, ``last.u``, ... An
+exception ends the run and reaches the caller unchanged. A Python step costs microseconds where a compiled one costs nanoseconds.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference
+
+
+@runtime_checkable
+class Observer(Protocol):
+    """Measurement -> estimate. Start from ``Estimate.healthy(y)`` and set what is estimated."""
+
+    def step(self, y: Measurement, last: Allocation, /) -> Estimate:
+        """Every sample after the first: `last` was issued over the interval just ended."""
+
+
+@runtime_checkable
+class Detector(Protocol):
+    """Estimate -> what changed or failed."""
+
+    def step(self, x: Estimate, last: Allocation, /) -> Detection:
+        """Every sample after the first."""
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """Estimate and reference -> demanded torque, N m, body frame."""
+
+    def step(self, x: Estimate, det: Detection, ref: Reference, last: Allocation, /) -> NDArray[np.float64] | Demand:
+        """Every sample after the first."""
+
+
+@runtime_checkable
+class Allocator(Protocol):
+    """Demanded torque -> commands, N m, one an actuator."""
+
+    def step(self, demand: Demand, x: Estimate, det: Detection, /) -> NDArray[np.float64] | Allocation:
+        """Every sample."""

@@ -1,0 +1,353 @@
+# SPDX-License-Identifier: MIT
+"""Scenarios: a frozen, validated, hashable description of one closed loop. TOML and Python say the same things."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field, PlainValidator, model_validator
+
+from gyrostat import _core, protocols, toml
+from gyrostat.components import Component, build, freeze, thaw
+from gyrostat.errors import InputError, input_errors, suggestion
+from gyrostat.model import Model
+from gyrostat.vehicle import Initial, Truth, Vehicle
+
+if TYPE_CHECKING:
+    from gyrostat.results import Result
+
+Channels = Sequence[str]
+
+_shipped = Path(__file__).parent
+
+
+def _component(value: Any) -> Any:
+    """A component from a `Component`, a table with a type, or a name."""
+    if value is None or isinstance(value, Component):
+        return value
+    return Component(value) if isinstance(value, str) else freeze(value)
+
+
+def _role(value: Any) -> Any:
+    """A component, or any Python object that can step."""
+    if callable(getattr(value, "step", None)) and not isinstance(value, type):
+        return value
+    return _component(value)
+
+
+def _components(value: Any) -> tuple[Component, ...]:
+    if isinstance(value, Component | str | Mapping):
+        raise InputError(f"{value!r} must be a list of components")
+    return tuple(_component(v) for v in value)
+
+
+_One = Annotated[Component | str | None, PlainValidator(_component)]
+_Many = Annotated[Sequence[Component], PlainValidator(_components)]
+_Observer = Annotated[Component | protocols.Observer | str | None, PlainValidator(_role)]
+_Detector = Annotated[Component | protocols.Detector | str | None, PlainValidator(_role)]
+_Controller = Annotated[Component | protocols.Controller | str | None, PlainValidator(_role)]
+_Allocator = Annotated[Component | protocols.Allocator | str | None, PlainValidator(_role)]
+
+_roles = ("observer", "detector", "controller", "allocator")
+_lists = {"faults": "fault", "disturbances": "disturbance", "sensors": "sensor"}
+
+
+class Shadow(Model):
+    """An observer and detector that run beside the first pair on the same signals, without closing the loop."""
+
+    observer: _One = None
+    detector: _One = None
+
+
+class Record(Model):
+    """What a run keeps: channel names (all that are cheap when absent) and every how many samples."""
+
+    channels: Annotated[Sequence[str] | None, PlainValidator(lambda v: None if v is None else freeze(v))] = None
+    every: Annotated[int, Field(ge=1)] = 1
+
+
+class Scenario(Model):
+    """One closed loop: vehicle, what really flies, the flight stack, faults, and for how long.
+
+    Everything is checked when the scenario is built, so that a typing error does not wait for a run.
+
+    Parameters
+    ----------
+    duration, dt
+        Simulated time and period of the flight stack, s. The duration must be a whole number of periods.
+    vehicle
+        The nominal vehicle: all that flight knows.
+    truth, initial
+        What really flies where it differs, and the state at t = 0.
+    observer, detector, controller, allocator
+        Components of the flight stack, or Python objects with a ``step`` (see `gyrostat.protocols`).
+    reference, integrator
+        The attitude to follow and the integrator of the truth.
+    faults, disturbances, sensors
+        What acts on the truth; see the modules of these names.
+    shadows
+        Further (observer, detector) pairs on the same signals.
+    seed
+        Of all noise.
+    allow_unstable
+        Run settings whose check says unstable (a published study's own unstable cases).
+    record
+        What a run keeps by default.
+
+    Raises
+    ------
+    InputError
+        A ``ValueError`` of one line: the key, the value and what is allowed, or the nearest name.
+
+    Examples
+    --------
+    >>> import gyrostat as gs
+    >>> scenario = gs.Scenario(
+    ...     vehicle=gs.vehicle.ftc_4rw(),
+    ...     controller=gs.controller("mrp_feedback"),
+    ...     faults=[gs.faults.LossOfEffectiveness(actuator=2, t_on=20.0, remaining=0.4)],
+    ...     duration=60.0,
+    ...     dt=0.01,
+    ... )
+    >>> scenario.run()["truth.omega_BN_B"].shape
+    (6001, 3)
+    """
+
+    name: str = ""
+    description: str = ""
+    duration: float
+    dt: float
+    seed: int = 0
+    allow_unstable: bool = False
+    vehicle: Vehicle
+    truth: Truth | None = None
+    initial: Initial | None = None
+    observer: _Observer = None
+    detector: _Detector = None
+    controller: _Controller = None
+    allocator: _Allocator = None
+    reference: _One = None
+    integrator: _One = None
+    faults: _Many = ()
+    disturbances: _Many = ()
+    sensors: _Many = ()
+    shadows: Sequence[Shadow] = ()
+    record: Record | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plain(cls, data: Any) -> Any:
+        """Lists to tuples where the models want tuples."""
+        if isinstance(data, dict) and isinstance(data.get("shadows"), list):
+            data = {**data, "shadows": tuple(data["shadows"])}
+        return data
+
+    @model_validator(mode="after")
+    def _checked(self) -> Scenario:
+        whole_samples(self.duration, self.dt)
+        self.check()
+        return self
+
+    @classmethod
+    def load(cls, name: str | Path) -> Scenario:
+        """A scenario of a file, or a shipped one by name (``wheel2_degraded``, ``li2018/table1``).
+
+        Raises
+        ------
+        InputError
+            No such file or name, or a file that does not hold a valid scenario.
+        """
+        return cls.from_toml(find(name))
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Scenario:
+        """Read a TOML file; messages name the file."""
+        tables = toml.read(Path(path))
+        with input_errors(str(path)):
+            return cls.from_dict(tables)
+
+    @classmethod
+    def from_dict(cls, tables: Mapping[str, Any]) -> Scenario:
+        """From the tables of a TOML file, or of `to_dict`."""
+        return cls(**tables)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain tables; a Python component stands as it is."""
+        tables: dict[str, Any] = {}
+        for key, value in self:
+            if value is None or value in ((), "") or value is False:
+                continue
+            tables[key] = _table(value)
+        return tables
+
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """The text of a TOML file, also written to `path` if given.
+
+        Raises
+        ------
+        InputError
+            A Python component has no text.
+        """
+        for role in self._python_components():
+            raise InputError(f"{role} is a Python object; a TOML file can only hold components of the catalogue")
+        text = toml.write(self.to_dict())
+        if path is not None:
+            from gyrostat.files import write_text
+
+            write_text(Path(path), text)
+        return text
+
+    def replace(self, **changes: Any) -> Scenario:
+        """A copy with other values. Dotted keys reach inside: ``replace(**{"observer.lambda1": 2.0})``.
+
+        A list is entered by position (``faults.0.remaining``).
+        """
+        tables = self.to_dict()
+        for key, value in changes.items():
+            _set(tables, key, value)
+        return type(self).from_dict(tables)
+
+    def check(self) -> list[dict[str, Any]]:
+        """Build everything without running; one row a component check, with the number and the limit it was held to.
+
+        Raises
+        ------
+        InputError
+            Something that cannot be built.
+        """
+        tables, components = self._split()
+        with input_errors():
+            return _core.check(tables, components)
+
+    def resolve(self) -> dict[str, Any]:
+        """The scenario with every default filled in, as plain tables."""
+        return _core.resolve(self._split()[0])
+
+    def channel_names(self) -> list[dict[str, Any]]:
+        """Every channel a run can record: name, size, unit and meaning."""
+        return _core.channel_names(*self._split())
+
+    def run(
+        self,
+        *,
+        channels: Channels | None = None,
+        every: int | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> Result:
+        """Fly it. The loop runs without Python's global lock: threads run scenarios in parallel.
+
+        Parameters
+        ----------
+        channels
+            Names to record instead of the scenario's own choice; fewer are faster and smaller.
+        every
+            Record every so many samples.
+        progress
+            Called now and then with the finished fraction, 0 to 1.
+
+        Returns
+        -------
+        Result
+            Also of a run that ended early (see `Result.status`): what happened up to there.
+        """
+        from gyrostat.results import Result
+
+        tables, components = self._split()
+        record = self.record or Record()
+        chosen = channels if channels is not None else record.channels
+        raw = _core.simulate(
+            tables,
+            components,
+            channels=None if chosen is None else list(chosen),
+            every=every or record.every,
+            progress=progress,
+        )
+        return Result.from_core(self, raw)
+
+    def _python_components(self) -> dict[str, object]:
+        found = {role: getattr(self, role) for role in _roles}
+        return {r: c for r, c in found.items() if c is not None and not isinstance(c, Component)}
+
+    def _split(self) -> tuple[dict[str, Any], dict[str, object]]:
+        """Tables for the host, and the Python objects that they refer to by ``type = "python"``."""
+        components = self._python_components()
+        return {**self.to_dict(), **{role: {"type": "python"} for role in components}}, components
+
+
+def find(name: str | Path) -> Path:
+    """The file of a scenario: a path, or the name of a shipped one."""
+    path = Path(name)
+    if path.suffix == ".toml" or path.exists():
+        return path
+    known = shipped()
+    if str(name) in known:
+        return known[str(name)]
+    raise InputError(f"no scenario '{name}'{suggestion(str(name), known)}")
+
+
+def shipped() -> dict[str, Path]:
+    """Scenarios that come with the package, by name; those of a paper as ``<paper>/<case>``."""
+    own = {p.stem: p for p in sorted((_shipped / "scenarios").glob("*.toml"))}
+    papers = {f"{p.parts[-3]}/{p.stem}": p for p in sorted((_shipped / "papers").glob("*/scenarios/*.toml"))}
+    return own | papers
+
+
+def whole_samples(duration: float, dt: float) -> int:
+    """Number of periods in a run.
+
+    Raises
+    ------
+    InputError
+        Not positive and finite, or not a whole number: the two nearest durations are named.
+    """
+    for name, value in (("duration", duration), ("dt", dt)):
+        if not 0.0 < value < float("inf"):
+            raise InputError(f"{name} = {value:g} s must be positive and finite")
+    samples = round(duration / dt)
+    if samples < 1 or abs(samples * dt - duration) > 1e-6 * dt:
+        below = int(duration // dt)
+        allowed = " or ".join(f"{n * dt:.12g}" for n in (below, below + 1) if n > 0)
+        raise InputError(f"duration = {duration:g} s is not a multiple of dt = {dt:g} s; nearest allowed: {allowed}")
+    return samples
+
+
+def _table(value: Any) -> Any:
+    """Plain form of a field of a scenario."""
+    if isinstance(value, Component | Vehicle | Truth | Initial):
+        return value.to_dict()
+    if isinstance(value, Model):
+        return {k: _table(v) for k, v in value if v is not None}
+    if isinstance(value, tuple):
+        return [_table(v) for v in value]
+    return thaw(value)
+
+
+def _set(tables: dict[str, Any], key: str, value: Any) -> None:
+    """Set a dotted key in place. A name where a component stands becomes that component."""
+    *path, last = key.split(".")
+    target: Any = tables
+    for depth, part in enumerate(path):
+        if isinstance(target, list):
+            target = target[_position(target, part, ".".join(path[: depth + 1]))]
+        elif isinstance(target, dict):
+            if isinstance(target.get(part), Component):
+                target[part] = target[part].to_dict()
+            target = target.setdefault(part, {})
+        if not isinstance(target, dict | list):
+            raise InputError(f"'{key}': '{'.'.join(path[: depth + 1])}' = {target!r} has no keys")
+    if isinstance(target, list):
+        target[_position(target, last, key)] = value
+    else:
+        target[last] = value
+
+
+def _position(entries: list[Any], part: str, key: str) -> int:
+    if part.isdigit() and int(part) < len(entries):
+        return int(part)
+    allowed = f"0 to {len(entries) - 1}" if entries else "no entry: the list is empty"
+    raise InputError(f"'{key}': '{part}' is no position in the list; allowed: {allowed}")
+
+
+__all__ = ["Record", "Scenario", "Shadow", "build", "find", "shipped", "whole_samples"]

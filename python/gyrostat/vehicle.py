@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: MIT
+"""Vehicles: what flight knows of one, and ready-made actuator layouts.
+
+A key that is not given keeps the default of the C++ description; ``gyrostat describe vehicle`` lists them.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from gyrostat.components import Matrix, Vector
+from gyrostat.model import Block, Leaf
+
+
+class Vehicle(Block):
+    """The nominal vehicle: all that flight knows of it.
+
+    Parameters
+    ----------
+    J_B
+        Inertia of the whole vehicle, wheels included, kg m^2: three rows, or three numbers for a diagonal one.
+    D_B
+        Actuator axes in columns, body frame: three rows of as many numbers as there are actuators (1 to 16).
+    u_max, u_min
+        Limits of the command, N m: a number or one an actuator. Without ``u_max`` flight knows no limit.
+    u_rate
+        Limit of the change of a command, N m/s.
+    wheel_inertia
+        Axial inertia of each wheel, kg m^2; 0: an ideal torque actuator.
+    spare
+        Actuators that stay off until a detector enables them.
+    orbit_rate
+        Rate of a circular orbit, rad/s.
+    coordinates
+        ``euler_angles`` for the printed Euler-angle plant of one published study; ``body`` otherwise.
+    """
+
+    J_B: Leaf[Matrix | Vector]
+    D_B: Leaf[Matrix]
+    u_max: Leaf[float | Vector | None] = None
+    u_min: Leaf[float | Vector | None] = None
+    u_rate: Leaf[float | Vector | None] = None
+    wheel_inertia: Leaf[float | Vector | None] = None
+    spare: Leaf[tuple[int, ...] | list[int] | None] = None
+    orbit_rate: Leaf[float | None] = None
+    coordinates: Leaf[Literal["body", "euler_angles"] | None] = None
+
+    @property
+    def actuators(self) -> int:
+        """Number of actuators."""
+        return int(np.shape(self.D_B)[1])
+
+
+class Truth(Block):
+    """What really flies, where it differs from the nominal vehicle. Keys as in ``gyrostat describe truth``."""
+
+    dJ_B: Leaf[Matrix | Vector | None] = None
+    dD_B: Leaf[Matrix | None] = None
+    u_max: Leaf[float | Vector | None] = None
+    u_min: Leaf[float | Vector | None] = None
+    limit_on: Leaf[Literal["command", "output"] | None] = None
+    viscous_friction: Leaf[float | Vector | None] = None
+    coulomb_friction: Leaf[float | Vector | None] = None
+    momentum_max: Leaf[float | Vector | None] = None
+
+
+class Initial(Block):
+    """State at t = 0: one of ``q_NB``, ``mrp``, ``euler``; body rate and wheel speeds relative to the body."""
+
+    q_NB: Leaf[Vector | None] = None
+    mrp: Leaf[Vector | None] = None
+    euler: Leaf[Vector | None] = None
+    omega_BN_B: Leaf[Vector | None] = None
+    wheel_speed: Leaf[float | Vector | None] = None
+
+
+PYRAMID4 = ((1.0, -1.0, -1.0, 1.0), (1.0, 1.0, -1.0, -1.0), (1.0, 1.0, 1.0, 1.0))
+"""Axes of the regular four-wheel pyramid, times sqrt 3: azimuths 45 + 90 k deg, elevation 35.26 deg."""
+
+
+def pyramid4(*, J_B: Matrix | Vector, **blocks: Any) -> Vehicle:
+    """Four actuators on a regular pyramid: ``D D' = 4/3 I``, any three of them control all axes.
+
+    Parameters
+    ----------
+    J_B
+        Inertia, kg m^2.
+    **blocks
+        Other keys of `Vehicle`: ``u_max``, ``wheel_inertia``, ...
+    """
+    return Vehicle(J_B=J_B, D_B=np.array(PYRAMID4) / np.sqrt(3.0), **blocks)
+
+
+def orthogonal_skew4(*, J_B: Matrix | Vector, **blocks: Any) -> Vehicle:
+    """Three actuators along the body axes and a fourth along their diagonal ``(1, 1, 1) / sqrt 3``.
+
+    Parameters
+    ----------
+    J_B
+        Inertia, kg m^2.
+    **blocks
+        Other keys of `Vehicle`.
+    """
+    return Vehicle(J_B=J_B, D_B=np.column_stack([np.eye(3), np.full(3, 1.0 / np.sqrt(3.0))]), **blocks)
+
+
+def ftc_4rw() -> Vehicle:
+    """The project's reference vehicle: four reaction wheels of 0.2 N m and 0.05 kg m^2 on a 20 kg m^2 body.
+
+    Wheel axes in the order (1,1,1), (1,-1,1), (-1,-1,1), (-1,1,1), each over sqrt 3.
+    """
+    axes = np.array([[1, 1, -1, -1], [1, -1, -1, 1], [1, 1, 1, 1]]) / np.sqrt(3.0)
+    inertia = ((20.0, 0.0, 0.9), (0.0, 17.0, 0.0), (0.9, 0.0, 15.0))
+    return Vehicle(J_B=inertia, D_B=axes, u_max=0.2, wheel_inertia=0.05)
