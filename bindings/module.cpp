@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// @file  Python module gyrostat._core.
 #include <pybind11/pybind11.h>
 
+namespace gyrostat::bindings {
+void bind_core(pybind11::module_& m);
+void bind_host(pybind11::module_& m);
+}  // namespace gyrostat::bindings
+
 PYBIND11_MODULE(_core, m) {
-  m.doc() = "Compiled part of gyrostat. Private: use the package.";
+  m.doc() = "C++ core of gyrostat.";
   m.attr("__version__") = GYROSTAT_VERSION;
+  gyrostat::bindings::bind_core(m);
+  gyrostat::bindings::bind_host(m);
 }

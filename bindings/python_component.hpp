@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// @file  A Python object as a component. The loop runs without the GIL and takes it around the object's own step; an
+///        exception raised there ends the run and reaches the caller unchanged.
+///
+/// An object has `step(...)` with the arguments of its role, and may have `setup(setup)`, called once before the run,
+/// `start(...)`, called at the first sample instead of `step`, and `reset()` (allocators). Docs: docs/extending.md
+#pragma once
+#include <pybind11/pybind11.h>
+
+#include "gyrostat/host/simulate.hpp"
+
+namespace gyrostat::bindings {
+
+/// Components for the roles of `objects` (observer, detector, controller, allocator -> object). Needs the GIL.
+host::ExternalComponents python_components(const pybind11::dict& objects);
+
+}  // namespace gyrostat::bindings
