@@ -8,19 +8,25 @@ yaw.
 from __future__ import annotations
 
 from gyrostat._core import (
+    dcm_from_quat,
     euler_from_quat,
     mrp_from_quat,
     mrp_shadow,
     quat_from_euler,
     quat_from_mrp,
+    quat_from_rotation_vector,
     rotation_angle,
+    rotation_vector_from_quat,
 )
 
 __all__ = [
+    "dcm_from_quat",
     "euler_from_quat",
     "mrp_from_quat",
     "mrp_shadow",
     "quat_from_euler",
     "quat_from_mrp",
+    "quat_from_rotation_vector",
     "rotation_angle",
+    "rotation_vector_from_quat",
 ]

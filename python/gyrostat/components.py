@@ -167,7 +167,7 @@ def _constructor(info: Mapping[str, Any], module: str) -> Callable[..., Componen
 
     make.__name__ = make.__qualname__ = class_name(info["name"])
     make.__module__ = module
-    lines = [info["summary"] or f"{info['family']} '{info['name']}'.", "", "Parameters", "----------"]
+    lines = [f"The {info['family']} '{info['name']}'.", "", "Parameters", "----------"]
     for param in info["params"]:
         lines += [param["name"], "    " + describe_parameter(param)]
     make.__doc__ = "\n".join(lines)

@@ -7,17 +7,21 @@ Times are absolute, in seconds; a signal has shape (n,) or (n, k), and its size 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gyrostat._core import (
     energy,
-    fraction_at_limit,
+    first_reach,
+    fraction_at_least,
     settling_time,
     total_variation,
     window_max,
+    window_max_norm,
+    window_min,
     window_rms,
+    window_upper,
 )
 
 if TYPE_CHECKING:
@@ -83,7 +87,12 @@ class Metrics:
     @property
     def saturated_fraction(self) -> float:
         """Fraction of samples at which at least one command stands at its limit."""
-        return fraction_at_limit(self._result["allocation.u"], self._limit())
+        t, u = self._result.t, self._result["allocation.u"]
+        vehicle = self._result.description["vehicle"]
+        upper = np.broadcast_to(vehicle.get("u_max", np.inf), u.shape[1:])
+        lower = np.broadcast_to(vehicle.get("u_min", -upper), u.shape[1:])
+        used = np.where(u > 0.0, u / np.where(upper == 0.0, np.inf, upper), u / np.where(lower == 0.0, np.inf, lower))
+        return fraction_at_least(t, used, 1.0, t[0], t[-1])
 
     def to_dict(self) -> dict[str, float | None]:
         """All of them by name; None where a channel was not recorded or the value is not finite."""
@@ -99,11 +108,6 @@ class Metrics:
             return None
         return value if math.isfinite(value) else None
 
-    def _limit(self) -> Any:
-        u = self._result["allocation.u"]
-        limit = self._result.description["vehicle"].get("u_max", np.inf)
-        return np.broadcast_to(np.asarray(limit, dtype=float), u.shape[1:]).copy()
-
 
 _names = (
     "settling_time",
@@ -118,9 +122,13 @@ _names = (
 __all__ = [
     "Metrics",
     "energy",
-    "fraction_at_limit",
+    "first_reach",
+    "fraction_at_least",
     "settling_time",
     "total_variation",
     "window_max",
+    "window_max_norm",
+    "window_min",
     "window_rms",
+    "window_upper",
 ]

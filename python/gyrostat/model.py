@@ -46,7 +46,7 @@ class Block(Model):
 def one_line(model: type[BaseModel], error: ValidationError) -> str:
     """The first problem of a validation: key, value and what is allowed."""
     first = error.errors()[0]
-    path = ".".join(str(part) for part in first["loc"])
+    path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
     if first["type"] == "extra_forbidden":
         return f"unknown key '{path}'{suggestion(path, model.model_fields)}"
     if first["type"] == "missing":

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field, PlainValidator, model_validator
 
 from gyrostat import _core, protocols, toml
-from gyrostat.components import Component, build, freeze, thaw
+from gyrostat.components import Component, freeze, thaw
 from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.model import Model
 from gyrostat.vehicle import Initial, Truth, Vehicle
@@ -51,7 +51,6 @@ _Controller = Annotated[Component | protocols.Controller | str | None, PlainVali
 _Allocator = Annotated[Component | protocols.Allocator | str | None, PlainValidator(_role)]
 
 _roles = ("observer", "detector", "controller", "allocator")
-_lists = {"faults": "fault", "disturbances": "disturbance", "sensors": "sensor"}
 
 
 class Shadow(Model):
@@ -62,7 +61,7 @@ class Shadow(Model):
 
 
 class Record(Model):
-    """What a run keeps: channel names (all that are cheap when absent) and every how many samples."""
+    """What a run keeps: names of channels (the usual ones when absent), and every how many samples."""
 
     channels: Annotated[Sequence[str] | None, PlainValidator(lambda v: None if v is None else freeze(v))] = None
     every: Annotated[int, Field(ge=1)] = 1
@@ -146,7 +145,6 @@ class Scenario(Model):
 
     @model_validator(mode="after")
     def _checked(self) -> Scenario:
-        whole_samples(self.duration, self.dt)
         self.check()
         return self
 
@@ -223,7 +221,7 @@ class Scenario(Model):
 
     def resolve(self) -> dict[str, Any]:
         """The scenario with every default filled in, as plain tables."""
-        return _core.resolve(self._split()[0])
+        return _core.resolve(*self._split())
 
     def channel_names(self) -> list[dict[str, Any]]:
         """Every channel a run can record: name, size, unit and meaning."""
@@ -233,7 +231,7 @@ class Scenario(Model):
         self,
         *,
         channels: Channels | None = None,
-        every: int | None = None,
+        every: int = 1,
         progress: Callable[[float], None] | None = None,
     ) -> Result:
         """Fly it. The loop runs without Python's global lock: threads run scenarios in parallel.
@@ -241,7 +239,8 @@ class Scenario(Model):
         Parameters
         ----------
         channels
-            Names to record instead of the scenario's own choice; fewer are faster and smaller.
+            Names to record instead of the scenario's own choice (``estimate.*`` for a group); fewer are faster and
+            smaller.
         every
             Record every so many samples.
         progress
@@ -255,15 +254,12 @@ class Scenario(Model):
         from gyrostat.results import Result
 
         tables, components = self._split()
-        record = self.record or Record()
-        chosen = channels if channels is not None else record.channels
-        raw = _core.simulate(
-            tables,
-            components,
-            channels=None if chosen is None else list(chosen),
-            every=every or record.every,
-            progress=progress,
-        )
+        chosen = None if channels is None else list(channels)
+        if components:  # what a Python component raises reaches the caller as it is
+            raw = _core.simulate(tables, components, chosen, every, progress)
+        else:
+            with input_errors():
+                raw = _core.simulate(tables, components, chosen, every, progress)
         return Result.from_core(self, raw)
 
     def _python_components(self) -> dict[str, object]:
@@ -292,25 +288,6 @@ def shipped() -> dict[str, Path]:
     own = {p.stem: p for p in sorted((_shipped / "scenarios").glob("*.toml"))}
     papers = {f"{p.parts[-3]}/{p.stem}": p for p in sorted((_shipped / "papers").glob("*/scenarios/*.toml"))}
     return own | papers
-
-
-def whole_samples(duration: float, dt: float) -> int:
-    """Number of periods in a run.
-
-    Raises
-    ------
-    InputError
-        Not positive and finite, or not a whole number: the two nearest durations are named.
-    """
-    for name, value in (("duration", duration), ("dt", dt)):
-        if not 0.0 < value < float("inf"):
-            raise InputError(f"{name} = {value:g} s must be positive and finite")
-    samples = round(duration / dt)
-    if samples < 1 or abs(samples * dt - duration) > 1e-6 * dt:
-        below = int(duration // dt)
-        allowed = " or ".join(f"{n * dt:.12g}" for n in (below, below + 1) if n > 0)
-        raise InputError(f"duration = {duration:g} s is not a multiple of dt = {dt:g} s; nearest allowed: {allowed}")
-    return samples
 
 
 def _table(value: Any) -> Any:
@@ -350,4 +327,4 @@ def _position(entries: list[Any], part: str, key: str) -> int:
     raise InputError(f"'{key}': '{part}' is no position in the list; allowed: {allowed}")
 
 
-__all__ = ["Record", "Scenario", "Shadow", "build", "find", "shipped", "whole_samples"]
+__all__ = ["Record", "Scenario", "Shadow", "find", "shipped"]

@@ -2,7 +2,8 @@
 """Stability limit of feeding a finite-time disturbance estimate forward through weakened actuators.
 
 The command contains minus the estimate, and the lumped disturbance contains ``D (E - I) u``: the estimate acts on
-itself. With an effectiveness `m` (an eigenvalue of ``M = D E D+``), unit inertia and a correction of slope `r`, the loop has
+itself. With an effectiveness `m` (an eigenvalue of ``M = D E D+``), unit inertia and a correction of slope `r`, the
+loop has
 
     x^3 + m (r + l1) x^2 + m (l1 r + l2) x + m l2 r,    l1, l2: local slopes of the observer at its amplitude
 

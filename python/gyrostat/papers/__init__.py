@@ -33,8 +33,7 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
     ``ok`` says whether the measured value lies in ``accept``, the verdict whether it lies in ``reported``: a claim can
     be ok and still show that a publication's statement does not hold. `metric` names an entry of `METRICS` (or of the
     study's own), the other keys of ``measure`` are its arguments. `signal` is a channel or one of the study's signals;
-    ``column = 2`` picks a component, ``norm = true`` takes the Euclidean norm of each row first (otherwise the size is
-    the largest component).
+    ``column = 2`` picks a component. The size of a signal is its largest component, unless the metric says otherwise.
 ``signals.py`` (may be absent)
     ``SIGNALS: dict[str, Callable[[Result], ndarray]]``, quantities computed from channels, one row a sample; and
     ``METRICS: dict[str, Callable[..., float]]``, called with the result and the keyword arguments of ``measure``.

@@ -38,10 +38,19 @@ def window_max(result: Result, *, signal: Array, window: Window = _whole) -> flo
     return metrics.window_max(result.t, signal, *_reaches(result, *window))
 
 
-def window_min(result: Result, *, signal: Array, window: Window = _whole) -> float:
+def window_norm(result: Result, *, signal: Array, window: Window = _whole) -> float:
+    """Largest Euclidean norm of the signal in a window of time."""
+    return metrics.window_max_norm(result.t, signal, *_reaches(result, *window))
+
+
+def window_lowest(result: Result, *, signal: Array, window: Window = _whole) -> float:
     """Smallest value (signed) in a window of time."""
-    t0, t1 = _reaches(result, *window)
-    return float(np.min(signal[(result.t >= t0) & (result.t <= t1)]))
+    return metrics.window_min(result.t, signal, *_reaches(result, *window))
+
+
+def window_highest(result: Result, *, signal: Array, window: Window = _whole) -> float:
+    """Largest value (signed) in a window of time."""
+    return metrics.window_upper(result.t, signal, *_reaches(result, *window))
 
 
 def window_rms(result: Result, *, signal: Array, window: Window = _whole) -> float:
@@ -60,10 +69,9 @@ def total_variation(result: Result, *, signal: Array, window: Window = _whole) -
     return metrics.total_variation(result.t, signal, *_reaches(result, *window))
 
 
-def fraction_at_limit(result: Result, *, signal: Array, limit: float) -> float:
-    """Fraction of samples at which a component stands at its limit."""
-    _reaches(result, *_whole)
-    return metrics.fraction_at_limit(signal, limit)
+def fraction_at_least(result: Result, *, signal: Array, level: float, window: Window = _whole) -> float:
+    """Fraction of the samples of a window in which ``|signal|`` reaches a level: time at a limit, breaches."""
+    return metrics.fraction_at_least(result.t, signal, level, *_reaches(result, *window))
 
 
 def energy(result: Result, *, signal: Array) -> float:
@@ -71,10 +79,9 @@ def energy(result: Result, *, signal: Array) -> float:
     return metrics.energy(result.t, signal)
 
 
-def first_above(result: Result, *, signal: Array, band: float) -> float:
-    """First instant, s, at which ``|signal|`` exceeds `band`. Not measured when it never does."""
-    above = np.flatnonzero(np.abs(signal.reshape(len(signal), -1)).max(axis=1) > band)
-    return float(result.t[above[0]]) if above.size else math.nan
+def first_reach(result: Result, *, signal: Array, level: float, after: float = 0.0) -> float:
+    """First instant, s, at which ``|signal|`` reaches a level. Not measured when it never does."""
+    return metrics.first_reach(result.t, signal, level, after)
 
 
 def difference(result: Result, *, signal: Array, against: Result, other: Array, window: Window = _whole) -> float:
@@ -104,13 +111,15 @@ METRICS: dict[str, Metric] = {
     for f in (
         settling_time,
         window_max,
-        window_min,
+        window_norm,
+        window_lowest,
+        window_highest,
         window_rms,
         final,
         total_variation,
-        fraction_at_limit,
+        fraction_at_least,
         energy,
-        first_above,
+        first_reach,
         difference,
         completed,
         end_time,
@@ -128,7 +137,6 @@ class Measure:
     signals: Mapping[str, Callable[[Result], Array]]
     signal: str | None = None
     column: int | None = None
-    norm: bool = False
     others: tuple[str, ...] = field(default=())
 
     @classmethod
@@ -145,7 +153,7 @@ class Measure:
         if name not in known:
             raise InputError(f"unknown metric '{name}'{suggestion(name, known)}")
         signal, column = arguments.pop("signal", None), arguments.pop("column", None)
-        norm, against = arguments.pop("norm", False), arguments.pop("against", None)
+        against = arguments.pop("against", None)
         if against is not None and against not in cases:
             raise InputError(f"no case '{against}' to compare with")
         given = dict(arguments)
@@ -156,7 +164,7 @@ class Measure:
         except TypeError as error:
             raise InputError(f"metric '{name}': {error}") from None
         others = () if against is None else (str(against),)
-        return cls(known[name], arguments, signals, signal, column, norm, others)
+        return cls(known[name], arguments, signals, signal, column, others)
 
     def __call__(self, result: Result, results: Mapping[str, Result]) -> float:
         """The measured number; `results` holds the other cases that the metric compares with."""
@@ -170,9 +178,7 @@ class Measure:
     def _signal(self, result: Result) -> Array:
         assert self.signal is not None
         x = self.signals[self.signal](result) if self.signal in self.signals else result[self.signal]
-        if self.column is not None:
-            x = x[:, self.column]
-        return np.linalg.norm(x, axis=1) if self.norm else x
+        return x if self.column is None else x[:, self.column]
 
 
 def _planned_end(result: Result) -> float:
