@@ -2,9 +2,10 @@
 /// @file  The flight half of the loop: the one place where the order of things is written, and the guard.
 ///
 /// Guard: a non-finite input holds the last valid one; a non-finite output restarts its component and the clipped
-/// previous command is issued again; the command is clipped to its box once more. Each sets a Flag in the status.
+/// previous command is issued again; the command is clipped to its box and its rate once more. Each sets a Flag in the status.
 /// Page: docs/architecture.md
 #pragma once
+#include <algorithm>
 #include <utility>
 
 #include "gyrostat/core/power.hpp"
@@ -16,19 +17,20 @@ template <Observer O, Detector D, Controller C, Allocator A>
 class FlightStack {
  public:
   using Scalar = typename O::Scalar;
-  static constexpr bool cannot_throw =
-      Estimator<O, D>::cannot_throw &&
-      noexcept(std::declval<C&>().step(
-          std::declval<const Estimate<Scalar>&>(), std::declval<const Detection<Scalar>&>(),
-          std::declval<const Reference<Scalar>&>(), std::declval<const Allocation<Scalar>&>())) &&
-      noexcept(std::declval<A&>().step(std::declval<const Demand<Scalar>&>(), std::declval<const Estimate<Scalar>&>(),
-                                       std::declval<const Detection<Scalar>&>()));
+  static constexpr bool cannot_throw = Estimator<O, D>::cannot_throw&& noexcept(std::declval<C&>().step(
+      std::declval<const Estimate<Scalar>&>(), std::declval<const Detection<Scalar>&>(),
+      std::declval<const Reference<Scalar>&>(),
+      std::declval<const Allocation<Scalar>&>()))&& noexcept(std::declval<A&>()
+                                                                 .step(std::declval<const Demand<Scalar>&>(),
+                                                                       std::declval<const Estimate<Scalar>&>(),
+                                                                       std::declval<const Detection<Scalar>&>()));
 
   FlightStack(const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_)
       : estimator(setup.vehicle, std::move(observer), std::move(detector)),
         controller(std::move(controller_)),
         allocator(std::move(allocator_)),
         vehicle_(setup.vehicle),
+        du_max_(setup.vehicle.u_rate * setup.dt),
         last_(idle()) {}
 
   /// One sample. The first call with a finite measurement starts the components; none before it has an effect.
@@ -117,8 +119,10 @@ class FlightStack {
   void clip_once_more(Allocation<Scalar>& a, const Estimate<Scalar>& x) const noexcept {
     bool outside = false;
     for (int i = 0; i < vehicle_.actuators(); ++i) {
-      if (a.u[i] < vehicle_.u_lo[i] || a.u[i] > vehicle_.u_up[i]) {
-        a.u[i] = a.u[i] < vehicle_.u_lo[i] ? vehicle_.u_lo[i] : vehicle_.u_up[i];
+      const Scalar lo = std::max(vehicle_.u_lo[i], last_.u[i] - du_max_[i]);
+      const Scalar up = std::min(vehicle_.u_up[i], last_.u[i] + du_max_[i]);
+      if (a.u[i] < lo || a.u[i] > up) {
+        a.u[i] = a.u[i] < lo ? lo : up;
         a.saturated.set(i);
         outside = true;
       }
@@ -127,6 +131,7 @@ class FlightStack {
   }
 
   Vehicle<Scalar> vehicle_;
+  VecN<Scalar> du_max_;  ///< N m a sample
   Measurement<Scalar> y_;
   Reference<Scalar> ref_;
   Demand<Scalar> demand_;
