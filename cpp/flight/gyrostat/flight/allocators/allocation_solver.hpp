@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: MIT
+/// @file  Optimal distribution of a torque over actuators with limits: four modes over one kernel, each with its certificate.
+///
+/// Heap-free, exception-free, bounded in iterations, deterministic. The command is inside the box for every input with a
+/// valid box. Mathematics, modes and measured figures: docs/allocation.md
+#pragma once
+#include <bit>
+
+#include "gyrostat/flight/allocators/allocation_problem.hpp"
+#include "gyrostat/flight/allocators/closest_torque.hpp"
+#include "gyrostat/flight/allocators/primal_polish.hpp"
+#include "gyrostat/flight/allocators/robust_torque.hpp"
+#include "gyrostat/flight/allocators/worst_case.hpp"
+
+namespace gyrostat {
+
+/// @tparam S float or double   @tparam M rows of torque (3 or 6)   @tparam N largest number of actuators
+template <class S, int M, int N>
+class AllocationSolver {
+ public:
+  using Scalar = S;
+  using Torque = Eigen::Matrix<S, M, 1>;
+  using Geometry = Eigen::Matrix<S, M, Eigen::Dynamic, 0, M, N>;
+  using Problem = AllocationProblem<S, M, N>;
+  using State = AllocationState<S, M, N>;
+  using Solution = AllocationSolution<S, M, N>;
+
+  /// @param D actuator axes in columns   @param row_weight > 0, how much a missing unit of each row matters
+  /// @return false, and nothing changes, when something is not finite or a weight not positive
+  bool configure(const Geometry& D, const Torque& row_weight = Torque::Ones()) noexcept {
+    if (!D.allFinite() || !row_weight.allFinite() || !(row_weight.minCoeff() > S(0))) return false;
+    D_ = D;
+    W_ = row_weight;
+    WD_ = row_weight.asDiagonal() * D;
+    spread_ = TorqueSpread<S, M>(WD_);
+    return true;
+  }
+
+  int actuators() const noexcept { return static_cast<int>(D_.cols()); }
+  const TorqueSpread<S, M>& spread() const noexcept { return spread_; }
+
+  [[nodiscard]] Solution solve(const Problem& p, State& state) noexcept {
+    Solution out;
+    if (!acceptable(p)) return refuse(p, state);
+    scale(p, out);
+    const Torque start = warm_start(p, state);
+    kernel_.steps = 0;
+    S theta = S(0);
+    Closest closest;
+    bool capped = false;
+    switch (p.mode) {
+      case AllocationMode::lexicographic:
+        closest = by_priority(p, start, out);
+        capped = closest.capped;
+        break;
+      case AllocationMode::lexicographic_scaled:
+        closest = along_demand(p, start, out);
+        capped = closest.capped;
+        break;
+      case AllocationMode::weighted_least_squares:
+        kernel_.R = Eigen::Matrix<S, M, M>::Identity() / residual_weight_;
+        kernel_.centre.setZero();
+        capped = kernel_.solve(start, std::min(p.max_newton, 60)) == NewtonOutcome::capped;
+        break;
+      case AllocationMode::robust_socp:
+        theta = robust(p, start, state, out, capped);
+        break;
+    }
+    collect(p, closest);
+    report(p, theta, closest, capped, out);
+    remember(p, closest, out, state);
+    return out;
+  }
+
+ private:
+  using size_t = std::size_t;
+  using Closest = ClosestTorque<S, M, N>;
+  static constexpr bool single = sizeof(S) < 8;
+  static constexpr S far = single ? S(4096) : S(1 << 26);  // 1/sqrt(epsilon), about
+  static constexpr S weight_cap = single ? S(1e4) : S(1e8);
+
+  /// The power of two at or below x: scaling by it is free of rounding.
+  static S power_of_two(S x) noexcept {
+    using Bits = std::conditional_t<single, std::uint32_t, std::uint64_t>;
+    constexpr Bits exponent = single ? Bits{0x7F800000u} : static_cast<Bits>(0x7FF0000000000000ull);
+    const S tiny = std::numeric_limits<S>::min() * S(1 << 20);
+    return std::bit_cast<S>(static_cast<Bits>(std::bit_cast<Bits>(std::max(x, tiny)) & exponent));
+  }
+
+  bool box_acceptable(const Problem& p) const noexcept {
+    const Eigen::Index n = D_.cols();
+    if (p.lo.size() != n || p.up.size() != n) return false;
+    constexpr S infinity = std::numeric_limits<S>::infinity();
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (!(p.lo[i] <= p.up[i]) || p.lo[i] == infinity || p.up[i] == -infinity) return false;
+    return true;
+  }
+
+  bool acceptable(const Problem& p) const noexcept {
+    const Eigen::Index n = D_.cols();
+    if (!box_acceptable(p)) return false;
+    if (p.effectiveness.size() != n || p.preferred.size() != n || p.effort_weight.size() != n || p.bound.size() != n) return false;
+    constexpr S infinity = std::numeric_limits<S>::infinity();
+    bool good = p.residual_weight > S(0) && p.residual_weight < infinity && p.margin >= S(0) && p.margin < infinity &&
+                p.effectiveness_min >= S(0) && p.max_newton > 0;
+    for (Eigen::Index i = 0; i < n; ++i)
+      good = good && p.effectiveness[i] >= S(0) && p.effectiveness[i] < infinity && std::isfinite(p.preferred[i]) &&
+             p.effort_weight[i] > S(0) && p.effort_weight[i] < infinity && p.bound[i] >= S(0) && p.bound[i] < infinity;
+    for (int r = 0; r < M; ++r) good = good && std::isfinite(p.demand[r]);
+    return good;
+  }
+
+  /// Previous command (zero when there is none) clipped to the box; zero when the box itself is bad.
+  Solution refuse(const Problem& p, const State& state) const noexcept {
+    const Eigen::Index n = D_.cols();
+    Solution out;
+    out.status = AllocationStatus::bad_input;
+    out.command = PerActuator<S, N>::Zero(n);
+    if (!box_acceptable(p)) return out;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const S before = state.command.size() == n && std::isfinite(state.command[i]) ? state.command[i] : S(0);
+      out.command[i] = std::min(std::max(before, p.lo[i]), p.up[i]);
+    }
+    return out;
+  }
+
+  /// Fills the kernel with the problem in units in which torques, axes and effort weights are of order one.
+  void scale(const Problem& p, Solution& out) noexcept {
+    const int n = static_cast<int>(D_.cols());
+    kernel_.n = n;
+    S geometry = S(0), limit = S(0), preferred = S(0), effort = S(0);
+    for (int i = 0; i < n; ++i) {
+      S e = p.effectiveness[i];
+      if (e > S(1)) {
+        e = S(1);
+        out.warnings |= AllocationWarning::effectiveness_clamped;
+      }
+      effectiveness_[size_t(i)] = e < p.effectiveness_min ? S(0) : e;
+      if (effectiveness_[size_t(i)] > S(0)) geometry = std::max(geometry, e * WD_.col(i).cwiseAbs().maxCoeff());
+      for (const S bound : {std::abs(p.lo[i]), std::abs(p.up[i])})
+        if (bound < std::numeric_limits<S>::infinity()) limit = std::max(limit, bound);
+      preferred = std::max(preferred, std::abs(p.preferred[i]));
+      effort = std::max(effort, p.effort_weight[i]);
+    }
+    geometry_ = geometry > S(0) ? power_of_two(geometry) : S(1);
+    effort_ = power_of_two(effort);
+    const Torque demand = W_.cwiseProduct(p.demand) / geometry_;
+    if (!(limit > S(0))) limit = std::max(preferred, demand.cwiseAbs().maxCoeff());
+    torque_ = limit > S(0) ? power_of_two(limit) : S(1);
+
+    S size = S(0);
+    const S per_geometry = S(1) / geometry_, per_torque = S(1) / torque_, per_effort = S(1) / effort_;
+    for (int i = 0; i < n; ++i) {
+      const size_t k = size_t(i);
+      kernel_.a[k] = (effectiveness_[k] * per_geometry) * WD_.col(i);
+      kernel_.lo[k] = std::max(p.lo[i] * per_torque, -far);  // far: no limit
+      kernel_.up[k] = std::min(p.up[i] * per_torque, far);
+      kernel_.preferred[k] = clamped(p.preferred[i] * per_torque, far, out.warnings);
+      S weight = p.effort_weight[i] * per_effort;
+      if (weight < S(1) / weight_cap) {
+        weight = S(1) / weight_cap;
+        out.warnings |= AllocationWarning::weight_capped;
+      }
+      weight_[k] = weight;
+      kernel_.compliance[k] = S(1) / weight;
+      const S reach = std::max(std::abs(kernel_.lo[k]), std::abs(kernel_.up[k]));
+      if (reach < far) size += reach * kernel_.a[k].cwiseAbs().maxCoeff();
+    }
+    for (int r = 0; r < M; ++r) kernel_.b[r] = clamped(demand[r] * per_torque, far, out.warnings);
+    size_ = std::max(size, kernel_.b.cwiseAbs().maxCoeff());
+    kernel_.tolerance = (single ? S(2e-7) : S(1e-13)) * size_;
+    kernel_.rank_tolerance = single ? S(1e-5) : S(1e-10);
+
+    residual_weight_ = p.residual_weight * per_effort * geometry_ * geometry_;
+    if (residual_weight_ > weight_cap || residual_weight_ < S(1) / weight_cap) {
+      residual_weight_ = std::clamp(residual_weight_, S(1) / weight_cap, weight_cap);
+      out.warnings |= AllocationWarning::weight_capped;
+    }
+    out.residual_weight = residual_weight_ * effort_ / (geometry_ * geometry_);
+  }
+
+  static S clamped(S x, S limit, std::uint8_t& warnings) noexcept {
+    if (std::abs(x) <= limit) return x;
+    warnings |= AllocationWarning::demand_clamped;
+    return x > S(0) ? limit : -limit;
+  }
+
+  Torque warm_start(const Problem& p, const State& state) const noexcept {
+    if (!state.valid || state.mode != p.mode) return Torque::Zero();
+    const Torque y = state.multiplier * (geometry_ / (effort_ * torque_));
+    const S largest = S(10) * weight_cap * (size_ + S(1));
+    return y.cwiseAbs().maxCoeff() <= largest ? y : Torque::Zero();
+  }
+
+  /// Rows of the smallest priority number first; what they achieve is then held while the next come as close as they can.
+  Closest by_priority(const Problem& p, const Torque& start, Solution& out) noexcept {
+    const auto [first, last] = std::minmax_element(p.priority.begin(), p.priority.end());
+    if (*first == *last) {
+      const Closest closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(start);
+      out.outer = closest.rounds + 1;
+      return closest;
+    }
+    const std::array<Torque, N> a = kernel_.a;
+    const Torque b = kernel_.b;
+    Closest closest;
+    unsigned held = 0;
+    bool attained = true;
+    for (int level = *first; level <= *last; ++level) {
+      unsigned rows = 0;
+      for (int r = 0; r < M; ++r) rows |= p.priority[size_t(r)] == level ? 1u << r : 0u;
+      if (rows == 0) continue;
+      for (int i = 0; i < kernel_.n; ++i)
+        for (int r = 0; r < M; ++r) kernel_.a[size_t(i)][r] = ((rows | held) >> r & 1u) != 0u ? a[size_t(i)][r] : S(0);
+      for (int r = 0; r < M; ++r)
+        if ((held >> r & 1u) == 0u) kernel_.b[r] = (rows >> r & 1u) != 0u ? b[r] : S(0);
+      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton, held).from(held == 0 ? Torque::Zero() : closest.y);
+      out.outer += closest.rounds + 1;
+      attained = attained && closest.attained;
+      held |= rows;
+      for (int r = 0; r < M; ++r) {
+        if ((rows >> r & 1u) == 0u) continue;
+        kernel_.b[r] = S(0);
+        for (int i = 0; i < kernel_.n; ++i) kernel_.b[r] += closest.tau[size_t(i)] * kernel_.a[size_t(i)][r];
+      }
+    }
+    closest.attained = attained;
+    return closest;
+  }
+
+  /// The largest s in [0, 1] with s b attainable, by cuts: a direction v that separates s b from the attainable set proves
+  /// s <= support(v) / v'b, and the next attempt is made there. Each cut is a face, so there are finitely many.
+  Closest along_demand(const Problem& p, const Torque& start, Solution& out) noexcept {
+    const Torque b = kernel_.b;
+    S s = S(1);
+    Torque y = start, cut = Torque::Zero();
+    Closest closest;
+    bool lost = false;
+    for (int k = 0; k < 40; ++k) {
+      kernel_.b = s * b;
+      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(y);
+      out.outer += closest.rounds + 1;
+      if (closest.attained || closest.capped) break;
+      const S slope = closest.direction.dot(b);
+      const S next = support(kernel_, closest.direction) / slope;
+      lost = !(slope > S(0)) || next < S(0);
+      if (lost || !(next < s)) break;
+      s = next;
+      cut = closest.direction;
+      y = closest.y;
+      if (!(y.cwiseAbs().maxCoeff() <= S(1) / std::sqrt(std::numeric_limits<S>::epsilon()))) y.setZero();
+    }
+    if (lost) {
+      out.warnings |= AllocationWarning::direction_lost;
+      kernel_.b = b;
+      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(Torque::Zero());
+      out.scale = S(0);
+      return closest;
+    }
+    out.scale = s;
+    if (s < S(1)) {
+      closest.attained = false;
+      closest.direction = cut;
+    }
+    return closest;
+  }
+
+  S robust(const Problem& p, const Torque& start, const State& state, Solution& out, bool& capped) noexcept {
+    RobustTorque<S, M, N> robust;
+    const S s_max = spread_.s_max / geometry_;
+    for (int i = 0; i < kernel_.n; ++i) {
+      const size_t k = size_t(i);
+      const S g = s_max * p.bound[i] * effectiveness_[k];
+      robust.effort[k] = weight_[k];
+      robust.preferred[k] = kernel_.preferred[k];
+      robust.growth[k] = p.worst_case == WorstCase::paper_constant ? S(0) : residual_weight_ * g * g;
+    }
+    if (p.worst_case == WorstCase::exact) robust.Sb = spread_.Sb;
+    if (p.worst_case == WorstCase::paper_constant) robust.margin = p.margin / (geometry_ * torque_);
+    robust.h = residual_weight_;
+    const bool warm = state.valid && state.mode == p.mode && state.theta > S(0) && state.theta <= S(1);
+    const S theta = robust.solve(kernel_, start, warm ? state.theta : S(0.5), p.max_newton);
+    capped = robust.capped;
+    out.outer = robust.outer;
+    return theta;
+  }
+
+  /// The command in the kernel's units, and the multiplier that goes with it.
+  void collect(const Problem& p, const Closest& closest) noexcept {
+    if (p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled) {
+      command_ = closest.tau;
+      y_ = closest.y;
+      return;
+    }
+    for (int i = 0; i < kernel_.n; ++i) command_[size_t(i)] = kernel_.tau(i);
+    y_ = kernel_.y();
+    const bool cancels = y_.cwiseAbs().maxCoeff() * std::numeric_limits<S>::epsilon() > (single ? S(1e-5) : S(1e-11));
+    if (!cancels || p.mode != AllocationMode::weighted_least_squares) return;
+    const Polished<S, M, N> polished = polish<S, M, N>(kernel_, S(1) / residual_weight_);
+    if (objective(polished.tau, polished.residual) <= objective(command_, residual(command_))) command_ = polished.tau;
+  }
+
+  Torque residual(const std::array<S, N>& tau) const noexcept {
+    Torque r = kernel_.b;
+    for (int i = 0; i < kernel_.n; ++i) r -= tau[size_t(i)] * kernel_.a[size_t(i)];
+    return r;
+  }
+
+  S objective(const std::array<S, N>& tau, const Torque& r) const noexcept {
+    S sum = residual_weight_ * r.squaredNorm();
+    for (int i = 0; i < kernel_.n; ++i) {
+      const S off = tau[size_t(i)] - kernel_.preferred[size_t(i)];
+      sum += weight_[size_t(i)] * off * off;
+    }
+    return sum / S(2);
+  }
+
+  void report(const Problem& p, S theta, const Closest& closest, bool capped, Solution& out) const noexcept {
+    const int n = kernel_.n;
+    out.command.resize(n);
+    S rho = S(0);
+    for (int i = 0; i < n; ++i) {
+      const size_t k = size_t(i);
+      const S t = command_[k];
+      out.command[i] = std::min(std::max(t * torque_, p.lo[i]), p.up[i]);
+      if (out.command[i] <= p.lo[i] || out.command[i] >= p.up[i]) out.saturated |= 1u << i;
+      out.achieved += (effectiveness_[k] * out.command[i]) * D_.col(i);
+      const S uncertain = p.bound[i] * effectiveness_[k] * out.command[i];
+      rho += uncertain * uncertain;
+    }
+    out.residual = p.demand - out.achieved;
+    const Torque weighted = W_.cwiseProduct(out.residual);
+    out.residual_norm = weighted.norm();
+    out.newton = kernel_.steps;
+    out.theta = theta;
+    rho = std::sqrt(rho);
+    switch (p.mode == AllocationMode::robust_socp ? p.worst_case : WorstCase::bound) {
+      case WorstCase::bound: out.worst_case = spread_.bound(out.residual_norm, rho); break;
+      case WorstCase::exact: out.worst_case = spread_.exact(weighted, rho, theta); break;
+      case WorstCase::paper_constant: out.worst_case = out.residual_norm + p.margin; break;
+    }
+    certify(p, theta, closest, out);
+    if (capped)
+      out.status = AllocationStatus::cap_reached;
+    else if (!delivered(p, closest, out))
+      out.status = AllocationStatus::optimal_reduced;
+    if (out.status != AllocationStatus::optimal) prove_infeasible(p, closest, weighted, out);
+  }
+
+  bool delivered(const Problem& p, const Closest& closest, const Solution& out) const noexcept {
+    if (p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled) return closest.attained;
+    return out.residual_norm <= S(1e-3) * W_.cwiseProduct(p.demand).norm();
+  }
+
+  /// Primal, dual, gap, multiplier in SI. Every term of the gap is a difference of one actuator's or one cone's parts.
+  void certify(const Problem& p, S theta, const Closest& closest, Solution& out) const noexcept {
+    const Torque& y = y_;
+    const S h = residual_weight_;
+    Torque r = kernel_.b;  // scaled, of what is issued
+    S effort = S(0);
+    for (int i = 0; i < kernel_.n; ++i) {
+      const size_t k = size_t(i);
+      const S t = command_[k], off = t - preferred(p, i);
+      effort += weight_[k] * off * off / S(2);
+      r -= t * kernel_.a[k];
+    }
+    const bool robust = p.mode == AllocationMode::robust_socp && theta > S(0);
+    S primal = effort, gap = S(0), growth_scale = S(0);
+    if (p.mode == AllocationMode::weighted_least_squares || (p.mode == AllocationMode::robust_socp && !robust)) {
+      primal += h * r.squaredNorm() / S(2);
+      gap += h * (r - y / h).squaredNorm() / S(2);
+    } else if (robust) {
+      const S unit = geometry_ * torque_;
+      const S worst = scaled_worst_case(p, r, theta);
+      primal += h * worst * worst / S(2);
+      const Torque z = -y / h;
+      const S s_max = spread_.s_max / geometry_;
+      const bool constant = p.worst_case == WorstCase::paper_constant;
+      S spread2 = S(0);  // (s_max rho)^2
+      for (int i = 0; i < kernel_.n; ++i) {
+        const S g = s_max * p.bound[i] * effectiveness_[size_t(i)] * command_[size_t(i)];
+        spread2 += g * g;
+      }
+      if (constant) {
+        const S margin = p.margin / unit, kappa = std::max(z.norm(), margin);
+        const S slack = worst - kappa;
+        gap += h * (slack * slack / S(2) + kappa * (worst - margin) + z.dot(r));
+      } else {
+        const S sigma2 = spread2 / (theta * theta);  // |sigma|^2 / s_max^2, sigma = s_max^2 G tau / theta
+        const S q = p.worst_case == WorstCase::exact ? z.dot(spread_.Sb * z) : z.squaredNorm();
+        const S kappa2 = z.squaredNorm() + std::max(S(0), sigma2 - q);
+        gap += h * ((worst * worst + kappa2) / S(2) + z.dot(r) - spread2 / theta);
+        growth_scale = h * s_max * s_max / theta;
+      }
+    }
+    for (int i = 0; i < kernel_.n; ++i) {
+      const size_t k = size_t(i);
+      const S t = command_[k], weight = weight_[k];
+      const S g = p.bound[i] * effectiveness_[k];
+      const S z = preferred(p, i) + (kernel_.a[k].dot(y) - growth_scale * g * g * t) / weight;
+      const S best = std::min(std::max(z, kernel_.lo[k]), kernel_.up[k]);
+      gap += weight * (t - best) * (t + best - S(2) * z) / S(2);
+    }
+    const S unit = effort_ * torque_ * torque_;
+    out.primal = primal * unit;
+    out.gap = gap * unit;
+    out.dual = (primal - gap) * unit;
+    out.multiplier = y * (effort_ * torque_ / geometry_);
+    out.residual_excess = closest.attained ? out.residual_norm : std::max(closest.excess, S(0)) * geometry_ * torque_;
+  }
+
+  S preferred(const Problem& p, int i) const noexcept { return p.preferred[i] / torque_; }
+
+  S scaled_worst_case(const Problem& p, const Torque& r, S theta) const noexcept {
+    const S unit = geometry_ * torque_;
+    if (p.worst_case == WorstCase::paper_constant) return r.norm() + p.margin / unit;
+    S rho = S(0);
+    for (int i = 0; i < kernel_.n; ++i) {
+      const S g = p.bound[i] * effectiveness_[size_t(i)] * command_[size_t(i)] / geometry_;
+      rho += g * g;
+    }
+    rho = std::sqrt(rho);
+    return p.worst_case == WorstCase::exact ? spread_.exact(r, rho, theta) : spread_.bound(r.norm(), rho);
+  }
+
+  /// A torque direction along which the whole attainable set falls short of the demand, if there is one to be seen.
+  void prove_infeasible(const Problem& p, const Closest& closest, const Torque& weighted, Solution& out) const noexcept {
+    const bool known = closest.direction.squaredNorm() > S(0);
+    if (!known && !(out.residual_norm > S(0))) return;
+    const Torque v = known ? closest.direction : Torque(weighted / out.residual_norm);
+    Torque b;
+    for (int r = 0; r < M; ++r) b[r] = W_[r] * p.demand[r] / (geometry_ * torque_);
+    const S slack = S(16) * std::numeric_limits<S>::epsilon() * size_;
+    if (v.dot(b) > support(kernel_, v) + slack) out.infeasibility_direction = W_.cwiseProduct(v);
+  }
+
+  /// The warm start keeps the multiplier, less what the proximal rounds piled up along the separating direction.
+  void remember(const Problem& p, const Closest& closest, const Solution& out, State& state) const noexcept {
+    Torque y = y_;
+    const S along = closest.direction.dot(y), enough = S(10) * size_ / (single ? S(1e-3) : S(1e-6));
+    if (along > enough) y -= (along - enough) * closest.direction;
+    state.multiplier = y * (effort_ * torque_ / geometry_);
+    state.theta = out.theta;
+    state.mode = p.mode;
+    state.valid = true;
+    state.command = out.command;
+  }
+
+  Geometry D_{M, 0}, WD_{M, 0};
+  Torque W_ = Torque::Ones();
+  TorqueSpread<S, M> spread_;
+  // Of the solve under way; nothing here is read by the next one.
+  DualNewton<S, M, N> kernel_;
+  std::array<S, N> effectiveness_, weight_, command_;
+  Torque y_;
+  S geometry_ = S(1), torque_ = S(1), effort_ = S(1), size_ = S(1), residual_weight_ = S(1);
+};
+
+}  // namespace gyrostat

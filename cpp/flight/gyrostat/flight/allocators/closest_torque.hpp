@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+/// @file  The torque closest to a demand, and of all commands that deliver it the one of least effort.
+///
+/// First the undamped Newton method (R = 0), which ends at a feasible demand exactly. Where the unclipped actuators stop
+/// spanning the torque space, the demand is out of reach or at the edge: then proximal rounds (R = delta I, centre <- y),
+/// each polished. With v along the residual,
+///
+///     |b - A tau'| >= v'b - max over the box of v'A tau'     for every tau' in the box, |v| = 1
+///
+/// proves how close to the smallest residual a round came. The effort needs no proof: tau(y) is least for what it delivers.
+/// Page: docs/allocation.md
+#pragma once
+#include "gyrostat/flight/allocators/dual_newton.hpp"
+#include "gyrostat/flight/allocators/primal_polish.hpp"
+
+namespace gyrostat {
+
+/// Largest v'A tau over the box.
+template <class S, int M, int N>
+S support(const DualNewton<S, M, N>& k, const Eigen::Matrix<S, M, 1>& v) noexcept {
+  S sum = S(0);
+  for (int i = 0; i < k.n; ++i) {
+    const std::size_t j = std::size_t(i);
+    const S reach = k.a[j].dot(v);
+    sum += std::max(reach * k.lo[j], reach * k.up[j]);
+  }
+  return sum;
+}
+
+template <class S, int M, int N>
+struct ClosestTorque {
+  using Torque = Eigen::Matrix<S, M, 1>;
+
+  std::array<S, N> tau;
+  Torque y = Torque::Zero();
+  bool attained = false;
+  bool capped = false;
+  int rounds = 0;
+  Torque direction = Torque::Zero();  ///< separates demand and attainable set
+  S excess = S(0);                    ///< residual less its proven lower bound
+};
+
+/// One solve for the demand in `k.b`, in the scaled units of the kernel.
+template <class S, int M, int N>
+class ClosestTorqueSolve {
+ public:
+  using Torque = Eigen::Matrix<S, M, 1>;
+  using Kernel = DualNewton<S, M, N>;
+  using Result = ClosestTorque<S, M, N>;
+
+  /// @param size of the torques of the problem   @param cap on the kernel's count of steps
+  /// @param held bit r: row r keeps its demand (known to be attainable) exactly, and the others come as close as they can
+  ClosestTorqueSolve(Kernel& kernel, S size, int cap, unsigned held = 0) noexcept : k(kernel), size_(size), cap_(cap), held_(held) {}
+
+  Result from(const Torque& start) noexcept {
+    Result out;
+    S trace = S(0);
+    for (int i = 0; i < k.n; ++i) trace += k.compliance[std::size_t(i)] * k.a[std::size_t(i)].squaredNorm();
+    S delta = (single ? S(1e-3) : S(1e-6)) * (trace > S(0) ? trace / S(M) : S(1));
+    const S smallest = delta * (single ? S(1e-2) : S(1e-4));
+    Torque y = start;
+    for (; out.rounds < 10; ++out.rounds) {
+      if (exactly(y)) {
+        keep_current(out);
+        out.attained = true;
+        return out;
+      }
+      y = k.y().norm() * smallest <= size_ ? k.y() : start;
+      const Torque before = y;
+      proximal(y, delta);
+      out.capped = k.steps >= cap_;
+      judge(before, out);
+      y = k.y();
+      if (out.attained || out.capped || out.excess <= excess_tolerance()) return out;
+      delta = std::max(delta / S(10), smallest);
+    }
+    return out;
+  }
+
+ private:
+  static constexpr bool single = sizeof(S) < 8;
+  S excess_tolerance() const noexcept { return (single ? S(4e-7) : S(1e-13)) * size_; }
+  int budget() const noexcept { return std::min(cap_, k.steps + 60); }
+
+  /// R = 0: succeeds when the demand is attained.
+  bool exactly(const Torque& y) noexcept {
+    k.R.setZero();
+    k.centre.setZero();
+    const NewtonOutcome outcome = k.solve(y, budget(), /*stop_at_singular=*/true);
+    return outcome == NewtonOutcome::converged || (outcome == NewtonOutcome::floor && k.F().norm() <= S(10) * excess_tolerance());
+  }
+
+  /// One round; rows that are held take as many as they need.
+  void proximal(const Torque& y, S delta) noexcept {
+    k.centre = y;
+    k.R = delta * Eigen::Matrix<S, M, M>::Identity();
+    for (int inner = 0; inner < 8; ++inner) {
+      if (k.solve(k.centre, budget()) == NewtonOutcome::capped) return;
+      const Torque missing = delta * (k.y() - k.centre);
+      S worst = S(0);
+      for (int r = 0; r < M; ++r)
+        if (is_held(r)) worst = std::max(worst, std::abs(missing[r]));
+      if (worst <= S(4) * k.tolerance) return;
+      for (int r = 0; r < M; ++r)
+        if (is_held(r)) k.centre[r] = k.y()[r];
+    }
+  }
+
+  /// Takes over the polished point, or the plain one, whichever is proven closer to the smallest residual.
+  void judge(const Torque& before, Result& out) const noexcept {
+    Result plain = out;
+    keep_current(plain);
+    Torque left = k.b;
+    for (int i = 0; i < k.n; ++i) left -= plain.tau[std::size_t(i)] * k.a[std::size_t(i)];
+    const Polished<S, M, N> p = polish<S, M, N>(k, S(0));
+    Result polished = out;
+    polished.tau = p.tau;
+    polished.y = p.y;
+    prove(left, before, plain);
+    prove(p.residual, before, polished);
+    out = polished.attained || (!plain.attained && polished.excess <= plain.excess) ? polished : plain;
+  }
+
+  void prove(const Torque& residual, const Torque& before, Result& r) const noexcept {
+    if (residual.cwiseAbs().maxCoeff() <= S(4) * k.tolerance) {
+      r.attained = true;
+      r.excess = S(0);
+      return;
+    }
+    Torque v = held_ == 0 ? residual : Torque(r.y - before);
+    v /= length(v);
+    S shortfall = S(0);  // of v'A tau against its maximum over the box, from terms that are never negative
+    for (int i = 0; i < k.n; ++i) {
+      const std::size_t j = std::size_t(i);
+      const S reach = k.a[j].dot(v);
+      shortfall += reach > S(0) ? reach * (k.up[j] - r.tau[j]) : reach * (k.lo[j] - r.tau[j]);
+    }
+    const S size = length(residual);
+    r.direction = v;
+    r.excess = std::min(size - v.dot(residual) + shortfall, size);
+    if (!(r.excess >= S(0))) r.excess = held_ == 0 ? S(0) : size;
+  }
+
+  void keep_current(Result& r) const noexcept {
+    r.y = k.y();
+    for (int i = 0; i < k.n; ++i) r.tau[std::size_t(i)] = k.tau(i);
+  }
+
+  bool is_held(int row) const noexcept { return (held_ >> row & 1u) != 0u; }
+
+  /// Of the rows that are not held.
+  S length(const Torque& v) const noexcept {
+    S sum = S(0);
+    for (int r = 0; r < M; ++r) sum += is_held(r) ? S(0) : v[r] * v[r];
+    return std::sqrt(sum);
+  }
+
+  Kernel& k;
+  S size_;
+  int cap_;
+  unsigned held_;
+};
+
+}  // namespace gyrostat

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// @file  L D L' factor of a symmetric matrix of a few rows: no square root, no heap, the pivots looked at.
+#pragma once
+#include <Eigen/Core>
+
+namespace gyrostat {
+
+/// Factor of a symmetric positive definite M x M matrix; only its lower triangle is read.
+template <class S, int M>
+class Ldl {
+ public:
+  using Vector = Eigen::Matrix<S, M, 1>;
+  using Matrix = Eigen::Matrix<S, M, M>;
+
+  /// False when a pivot is not above `floor`: the matrix is singular to that size.
+  bool factor(const Matrix& A, S floor) noexcept {
+    for (int j = 0; j < M; ++j) {
+      S pivot = A(j, j);
+      for (int k = 0; k < j; ++k) pivot -= L_(j, k) * scaled_(j, k);
+      if (!(pivot > floor)) return false;
+      inverse_[j] = S(1) / pivot;
+      for (int i = j + 1; i < M; ++i) {
+        S sum = A(i, j);
+        for (int k = 0; k < j; ++k) sum -= L_(i, k) * scaled_(j, k);
+        scaled_(i, j) = sum;
+        L_(i, j) = sum * inverse_[j];
+      }
+    }
+    return true;
+  }
+
+  Vector solve(const Vector& b) const noexcept {
+    Vector x = b;
+    for (int i = 1; i < M; ++i)
+      for (int k = 0; k < i; ++k) x[i] -= L_(i, k) * x[k];
+    for (int i = 0; i < M; ++i) x[i] *= inverse_[i];
+    for (int i = M - 2; i >= 0; --i)
+      for (int k = i + 1; k < M; ++k) x[i] -= L_(k, i) * x[k];
+    return x;
+  }
+
+ private:
+  Matrix L_, scaled_;  // strictly lower: L, and L D
+  Vector inverse_;
+};
+
+}  // namespace gyrostat
