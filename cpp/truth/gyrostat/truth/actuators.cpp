@@ -122,7 +122,7 @@ FaultyActuators::FaultyActuators(Actuators actuators, std::vector<Fault> faults)
     }
   }
   refuse_if(contradiction(faults_));
-  u_ = frozen_ = VecN<double>::Zero(n);
+  u_ = frozen_ = constant_delivered_ = VecN<double>::Zero(n);
   branch_ = never;
 }
 
@@ -156,11 +156,19 @@ void FaultyActuators::enter(double t, double branch) noexcept {
     fastest_ = std::max(fastest_, fastest_here);
     all_constant_ = all_constant_ && law.constant;
   }
+  deliver_constants();
+}
+
+void FaultyActuators::deliver_constants() noexcept {
+  for (int i = 0; i < size(); ++i) {
+    if (constant(i)) constant_delivered_[i] = delivered(i, branch_);  // any time would do
+  }
 }
 
 void FaultyActuators::command(const VecN<double>& u) noexcept {
   u_ = u;
   if (actuators_.limit_on == LimitOn::command) u_ = clip(u, actuators_.u_lo, actuators_.u_up);
+  deliver_constants();
 }
 
 Effect FaultyActuators::combine(int i, double t) const noexcept {

@@ -66,6 +66,8 @@ class FaultyActuators {
   Effect effect(int i, double t) const noexcept;
   /// N m, of actuator i at time t of the current piece. Friction and the momentum limit are not in it.
   double delivered(int i, double t) const noexcept;
+  /// The same for a constant law, where it costs nothing.
+  double constant_delivered(int i) const noexcept { return constant_delivered_[i]; }
   /// Which side of its output limit actuator i's unlimited output is on: -1 below, 0 inside, 1 above.
   int limit_side(int i, double t) const noexcept;
 
@@ -77,12 +79,14 @@ class FaultyActuators {
     double dead_zone = 0;  ///< N m
   };
   Effect combine(int i, double t) const noexcept;
+  void deliver_constants() noexcept;
   double unlimited(int i, double t) const noexcept;
 
   Actuators actuators_;
   std::vector<Fault> faults_;
   VecN<double> u_;       ///< held command, limited when limits act on it
   VecN<double> frozen_;  ///< what locked actuators deliver
+  VecN<double> constant_delivered_;
   bool all_constant_ = true;
   double fastest_ = 0, branch_ = 0;
   std::array<Law, max_actuators> law_{};

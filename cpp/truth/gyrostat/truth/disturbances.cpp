@@ -113,21 +113,22 @@ void Disturbances::enter(double branch) noexcept {
   branch_ = branch;
   constant_B_.setZero();
   varying_.clear();
-  for (const Disturbance& d : list_) {
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    const Disturbance& d = list_[i];
     if (std::visit([](const auto& law) { return constant(law); }, d)) {
       const Quat<double> any_attitude = Quat<double>::Identity();
       const Vec3<double> any_rate = Vec3<double>::Zero();
       constant_B_ += std::visit(Circumstances{branch, branch, any_attitude, any_rate, J_total_B_, orbit_rate_}, d);
     } else {
-      varying_.push_back(&d);  // never beyond the capacity reserved at construction
+      varying_.push_back(i);  // never beyond the capacity reserved at construction
     }
   }
 }
 
 Vec3<double> Disturbances::torque_B(double t, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B) const noexcept {
   Vec3<double> sum = constant_B_;
-  for (const Disturbance* d : varying_) {
-    sum += std::visit(Circumstances{t, branch_, q_NB, omega_BN_B, J_total_B_, orbit_rate_}, *d);
+  for (const std::size_t i : varying_) {
+    sum += std::visit(Circumstances{t, branch_, q_NB, omega_BN_B, J_total_B_, orbit_rate_}, list_[i]);
   }
   return sum;
 }

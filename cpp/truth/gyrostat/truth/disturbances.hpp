@@ -105,7 +105,7 @@ class Disturbances {
 
  private:
   std::vector<Disturbance> list_;
-  std::vector<const Disturbance*> varying_;  ///< into list_, which never changes
+  std::vector<std::size_t> varying_;  ///< which of them vary on this piece
   Mat3<double> J_total_B_;
   double orbit_rate_, branch_ = 0;
   Vec3<double> constant_B_ = Vec3<double>::Zero();

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "gyrostat/truth/sensors.hpp"
+
+#include <Random123/boxmuller.hpp>
+#include <Random123/philox.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "gyrostat/core/attitude.hpp"
+
+namespace gyrostat::truth {
+namespace {
+
+enum Stream : std::uint64_t { gyro_stream = 1, attitude_stream = 2 };
+
+double quantised(double x, double step) noexcept { return step > 0 ? step * std::round(x / step) : x; }
+
+void check_range(const char* name, double noise, double quantisation, int delay) {
+  if (noise >= 0 && quantisation >= 0 && delay >= 0) return;
+  throw std::invalid_argument("sensor " + std::string(name) + ": noise, quantisation and delay must not be negative");
+}
+
+}  // namespace
+
+Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std::uint64_t stream, Tick tick) noexcept {
+  const r123::Philox4x64::ctr_type counter{{tick, stream, 0, 0}};
+  const r123::Philox4x64::key_type key{{seed, run}};
+  const r123::Philox4x64::ctr_type bits = r123::Philox4x64()(counter, key);
+  const r123::double2 a = r123::boxmuller(bits[0], bits[1]), b = r123::boxmuller(bits[2], bits[3]);
+  return {a.x, a.y, b.x};
+}
+
+template <class T>
+const T& Sensors::DelayLine<T>::through(const T& now) {
+  if (!filled_) values_.assign(values_.size(), now);
+  filled_ = true;
+  values_[next_] = now;
+  next_ = (next_ + 1) % values_.size();
+  return values_[next_];  // the oldest
+}
+
+Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler)
+    : seed_(seed), run_(run), euler_(euler) {
+  bool has_gyro = false, has_attitude = false;
+  for (const Sensor& sensor : sensors) {
+    bool& seen = std::holds_alternative<Gyro>(sensor) ? has_gyro : has_attitude;
+    if (seen) throw std::invalid_argument("sensors: one gyro and one attitude sensor at most");
+    seen = true;
+    if (const auto* gyro = std::get_if<Gyro>(&sensor)) gyro_ = *gyro;
+    if (const auto* attitude = std::get_if<AttitudeSensor>(&sensor)) attitude_ = *attitude;
+  }
+  check_range(Gyro::name, gyro_.noise, gyro_.quantisation, gyro_.delay);
+  check_range(AttitudeSensor::name, attitude_.noise, attitude_.quantisation, attitude_.delay);
+  rates_ = DelayLine<Vec3<double>>(gyro_.delay);
+  attitudes_ = DelayLine<Quat<double>>(attitude_.delay);
+}
+
+Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
+                                     const VecN<double>& h_w) {
+  Measurement<double> y;
+  y.tick = tick;
+  y.h_w = h_w;
+
+  y.omega_BN_B = rates_.through(omega_BN_B) + gyro_.bias;
+  if (gyro_.noise > 0) y.omega_BN_B += gyro_.noise * standard_normals(seed_, run_, gyro_stream, tick);
+  for (double& rate : y.omega_BN_B) rate = quantised(rate, gyro_.quantisation);
+
+  y.q_NB = attitudes_.through(q_NB);
+  if (attitude_.noise > 0) {
+    const Vec3<double> error_B = attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
+    y.q_NB = y.q_NB * quat_exp(error_B);
+  }
+  if (attitude_.quantisation > 0) {
+    for (double& element : y.q_NB.coeffs()) element = quantised(element, attitude_.quantisation / 2);
+    y.q_NB.normalize();
+  }
+
+  if (euler_) {
+    y.euler.angles = euler(y.q_NB);
+    y.euler.rates = euler_rates(y.euler.angles, y.omega_BN_B);
+  }
+  return y;
+}
+
+}  // namespace gyrostat::truth
