@@ -9,10 +9,6 @@
 
 namespace gyrostat::host {
 
-/// Raises std::invalid_argument: no such `family`, with the nearest name and the list.
-[[noreturn]] void refuse_name(const std::string& where, const std::string& family, const std::string& name,
-                              const std::vector<std::string>& names);
-
 template <class Variant>
 struct Alternatives;
 

@@ -13,14 +13,6 @@
 
 namespace gyrostat::host {
 
-void refuse_name(const std::string& where, const std::string& family, const std::string& name,
-                 const std::vector<std::string>& names) {
-  const std::string near = nearest(name, names);
-  std::string what = where + ": no " + family + " '" + name + "'";
-  what += near.empty() ? "; there are: " + join(names) : ", did you mean '" + near + "'?";
-  throw std::invalid_argument(what);
-}
-
 template <class Base>
 void Family<Base>::add(Entry<Base> entry) {
   for (const Entry<Base>& e : entries_) {

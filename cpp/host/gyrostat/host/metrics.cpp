@@ -14,11 +14,12 @@ constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
 std::span<const double> sample(const Series& s, std::size_t k) { return s.x.subspan(k * s.width(), s.width()); }
 
+/// A NaN stays.
+double larger(double m, double v) { return std::isnan(m) || m >= v ? m : v; }
+
 double largest(std::span<const double> x) {
   double m = 0;
-  for (double v : x) {
-    if (!(std::abs(v) <= m)) m = std::abs(v);  // a NaN stays
-  }
+  for (double v : x) m = larger(m, std::abs(v));
   return m;
 }
 
@@ -44,10 +45,7 @@ template <class F>
 double window_largest(const Series& s, double t0, double t1, F of) {
   const Window w = window(s, t0, t1);
   double m = 0;
-  for (std::size_t k = w.begin; k < w.end; ++k) {
-    const double v = of(sample(s, k));
-    if (!(v <= m)) m = v;
-  }
+  for (std::size_t k = w.begin; k < w.end; ++k) m = larger(m, of(sample(s, k)));
   return m;
 }
 

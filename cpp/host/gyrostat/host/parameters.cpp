@@ -8,6 +8,14 @@ namespace gyrostat::host {
 
 void Place::refuse(const std::string& what) const { throw std::invalid_argument(where + ": " + what); }
 
+void refuse_name(const std::string& where, const std::string& family, const std::string& name,
+                 const std::vector<std::string>& names) {
+  const std::string near = nearest(name, names);
+  std::string what = where + ": no " + family + " '" + name + "'";
+  what += near.empty() ? "; there are: " + join(names) : ", did you mean '" + near + "'?";
+  throw std::invalid_argument(what);
+}
+
 void Key::refuse(const Value& value, const std::string& why) const {
   place.refuse(std::string(name) + " = " + value.text() + " " + why);
 }

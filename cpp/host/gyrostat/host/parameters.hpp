@@ -33,6 +33,10 @@ struct Place {
   [[noreturn]] void refuse(const std::string& what) const;
 };
 
+/// Raises std::invalid_argument: no such `family`, with the nearest name and the list.
+[[noreturn]] void refuse_name(const std::string& where, const std::string& family, const std::string& name,
+                              const std::vector<std::string>& names);
+
 /// One key of a table: raises std::invalid_argument with where, key, value and what is allowed.
 struct Key {
   const Place& place;
