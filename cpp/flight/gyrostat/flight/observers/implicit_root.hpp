@@ -54,8 +54,8 @@ class ImplicitRoot {
   /// 1/2 < a1 < 1, c1 > 0, c2 > 0
   ImplicitRoot(S c1, S c2, S a1) noexcept : c1_(c1), c2_(c2), to_w_((S(1) - a1) / (S(2) * a1 - S(1))) {
     const S w_linear = std::min(c2 / c1, std::sqrt(c2)), w_power = std::max(c1, std::sqrt(c2));
-    r_linear_ = value(std::pow(w_linear, S(1) / to_w_.exponent()), w_linear);
-    r_power_ = value(std::pow(w_power, S(1) / to_w_.exponent()), w_power);
+    r_linear_ = c2 * std::pow(w_linear, S(1) / to_w_.exponent());
+    r_power_ = w_power * w_power * std::pow(w_power, S(1) / to_w_.exponent());
   }
 
   Root operator()(S r) const noexcept {
@@ -87,7 +87,7 @@ class ImplicitRoot {
     return ((S(1) + S(2) * e) * w + (S(1) + e) * c1_) * w + c2_;
   }
 
-  /// y if the largest of the three terms stood alone: too large, by a factor below three in the term.
+  /// y if the largest of the three terms stood alone: too large, and the sum of the terms there is below 3 |r|.
   S upper_bound(S r) const noexcept {
     const S e = to_w_.exponent();
     if (r <= r_linear_) return r / c2_;
