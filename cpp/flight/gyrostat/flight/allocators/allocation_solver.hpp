@@ -232,12 +232,12 @@ class AllocationSolver {
   Closest along_demand(const Problem& p, const Torque& start, Solution& out) noexcept {
     const Torque b = kernel_.b;
     S s = S(1);
-    Torque y = start, cut = Torque::Zero();
+    Torque cut = Torque::Zero();
     Closest closest;
     bool lost = false;
     for (int k = 0; k < 40; ++k) {
       kernel_.b = s * b;
-      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(y);
+      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(start);
       out.outer += closest.rounds + 1;
       if (closest.attained || closest.capped) break;
       const S slope = closest.direction.dot(b);
@@ -246,8 +246,6 @@ class AllocationSolver {
       if (lost || !(next < s)) break;
       s = next;
       cut = closest.direction;
-      y = closest.y;
-      if (!(y.cwiseAbs().maxCoeff() <= S(1) / std::sqrt(std::numeric_limits<S>::epsilon()))) y.setZero();
     }
     if (lost) {
       out.warnings |= AllocationWarning::direction_lost;
@@ -436,7 +434,7 @@ class AllocationSolver {
   /// The warm start keeps the multiplier, less what the proximal rounds piled up along the separating direction.
   void remember(const Problem& p, const Closest& closest, const Solution& out, State& state) const noexcept {
     Torque y = y_;
-    const S along = closest.direction.dot(y), enough = S(10) * size_ / (single ? S(1e-3) : S(1e-6));
+    const S along = closest.direction.dot(y), enough = S(10) * size_;
     if (along > enough) y -= (along - enough) * closest.direction;
     state.multiplier = y * (effort_ * torque_ / geometry_);
     state.theta = out.theta;

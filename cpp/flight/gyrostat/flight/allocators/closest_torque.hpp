@@ -65,7 +65,7 @@ class ClosestTorqueSolve {
         out.attained = true;
         return out;
       }
-      y = k.y().norm() * smallest <= size_ ? k.y() : start;
+      if (out.rounds == 0 && k.y().norm() * delta <= S(10) * size_) y = k.y();  // later rounds go on from the last one
       const Torque before = y;
       proximal(y, delta);
       out.capped = k.steps >= cap_;
@@ -116,19 +116,19 @@ class ClosestTorqueSolve {
     Result polished = out;
     polished.tau = p.tau;
     polished.y = p.y;
-    prove(left, before, plain);
-    prove(p.residual, before, polished);
+    prove(left, held_ == 0 ? left : Torque(plain.y - before), plain);
+    prove(p.residual, held_ == 0 ? p.across : Torque(polished.y - before), polished);
     out = polished.attained || (!plain.attained && polished.excess <= plain.excess) ? polished : plain;
   }
 
-  void prove(const Torque& residual, const Torque& before, Result& r) const noexcept {
+  /// Lower bound of the residual from the direction of `separating`.
+  void prove(const Torque& residual, const Torque& separating, Result& r) const noexcept {
     if (residual.cwiseAbs().maxCoeff() <= S(4) * k.tolerance) {
       r.attained = true;
       r.excess = S(0);
       return;
     }
-    Torque v = held_ == 0 ? residual : Torque(r.y - before);
-    v /= length(v);
+    const Torque v = separating / length(separating);
     S shortfall = S(0);  // of v'A tau against its maximum over the box, from terms that are never negative
     for (int i = 0; i < k.n; ++i) {
       const std::size_t j = std::size_t(i);
@@ -138,7 +138,7 @@ class ClosestTorqueSolve {
     const S size = length(residual);
     r.direction = v;
     r.excess = std::min(size - v.dot(residual) + shortfall, size);
-    if (!(r.excess >= S(0))) r.excess = held_ == 0 ? S(0) : size;
+    if (!(r.excess >= S(0))) r.excess = v.allFinite() ? S(0) : size;
   }
 
   void keep_current(Result& r) const noexcept {

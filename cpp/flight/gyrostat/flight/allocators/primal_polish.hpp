@@ -16,6 +16,7 @@ struct Polished {
   std::array<S, N> tau;            ///< inside the box
   Eigen::Matrix<S, M, 1> y;        ///< multiplier moved along, so that it still explains the unclipped actuators
   Eigen::Matrix<S, M, 1> residual; ///< b - A tau
+  Eigen::Matrix<S, M, 1> across;   ///< its part that no unclipped actuator can produce
 };
 
 /// B = triangle Q' by pivoted Gram-Schmidt on the rows of B, carried out twice: Q is orthogonal to rounding.
@@ -59,6 +60,20 @@ struct RowBasis {
   }
 };
 
+/// v less its components in the first `rank` columns of T; v itself when they span everything.
+template <class S, int M>
+Eigen::Matrix<S, M, 1> outside_span(Eigen::Matrix<S, M, M> T, int rank, Eigen::Matrix<S, M, 1> v) noexcept {
+  if (rank == M) return v;
+  for (int j = 0; j < rank; ++j) {
+    for (int pass = 0; pass < 2; ++pass)
+      for (int k = 0; k < j; ++k) T.col(j) -= T.col(k).dot(T.col(j)) * T.col(k);
+    T.col(j) /= T.col(j).norm();
+  }
+  for (int pass = 0; pass < 2; ++pass)
+    for (int k = 0; k < rank; ++k) v -= T.col(k).dot(v) * T.col(k);
+  return v;
+}
+
 /// The kernel's current point, polished. @param soft 1 / residual weight; zero: least squares, then least effort
 template <class S, int M, int N>
 Polished<S, M, N> polish(const DualNewton<S, M, N>& k, S soft) noexcept {
@@ -101,6 +116,7 @@ Polished<S, M, N> polish(const DualNewton<S, M, N>& k, S soft) noexcept {
   }
   for (int r = basis.rank; r < M; ++r) change[r] = S(0);
   out.y = k.y() + T * factor.solve(change);
+  out.across = outside_span<S, M>(T, basis.rank, out.residual);
   return out;
 }
 
