@@ -3,7 +3,7 @@
 
 Each role needs ``step``. Optional are ``setup(setup)``, called once before the run with vehicle and period; ``start``,
 called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; and ``reset`` (allocators).
-The signals carry the names of the C++ contract: ``x.q_NB``, ``x.omega_BN_B``, ``ref.q_NR``, ``last.u``, ... An exception
+The signals carry the names of the C++ contract: ``x.q_NB``, ``x.omega_BN_B``, ``ref.q_NR``, ``last.u``. An exception
 ends the run and reaches the caller unchanged. A Python step costs microseconds where a compiled one costs nanoseconds.
 """
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from gyrostat.components import Matrix
 from gyrostat.errors import InputError
+from gyrostat.scenario import Scenario
 
 
 @dataclass(frozen=True)
@@ -97,3 +98,34 @@ def effectiveness_range(D_B: Matrix, effectiveness: Matrix) -> tuple[float, floa
     weighted = root @ D
     eigenvalues = np.linalg.eigvalsh(np.einsum("in,kn,jn->kij", weighted, rows, weighted))
     return float(eigenvalues.min()), float(eigenvalues.max())
+
+
+def scenario_margin(scenario: Scenario, effectiveness: tuple[float, float] | None = None) -> CompensationMargin | None:
+    """The margin of a scenario, or None when its observer is not the finite-time disturbance observer.
+
+    Parameters
+    ----------
+    scenario
+        Gains come from its observer; the range from its faults, by letting them pass over an idle vehicle.
+    effectiveness
+        A range to use instead.
+    """
+    observer = scenario.resolve().get("observer", {})
+    if observer.get("type") != "finite_time_disturbance":
+        return None
+    if effectiveness is None:
+        idle = scenario.replace(
+            observer="passthrough",
+            detector="none",
+            controller="open_loop",
+            integrator="rk4",
+            initial={},
+            disturbances=[],
+            sensors=[],
+            shadows=[],
+            record=None,
+        )
+        samples = round(idle.duration / idle.dt)
+        passed = idle.run(channels=["truth.effectiveness"], every=max(1, samples // 20_000))
+        effectiveness = effectiveness_range(idle.vehicle.D_B, passed["truth.effectiveness"])
+    return compensation_margin(observer["lambda1"], observer["lambda2"], effectiveness)

@@ -1,0 +1,415 @@
+# SPDX-License-Identifier: MIT
+"""The command ``gyrostat``. Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from gyrostat import _core, toml
+from gyrostat.components import range_text
+from gyrostat.errors import InputError, suggestion
+from gyrostat.files import writable_folder, write_text
+from gyrostat.scenario import Scenario, shipped
+
+if TYPE_CHECKING:
+    from gyrostat.papers import Reproduction
+    from gyrostat.results import Result
+
+app = typer.Typer(
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    help="""Fault-tolerant spacecraft attitude control: fly a spacecraft whose actuators fail and keep pointing.
+
+Start with `gyrostat run wheel2_degraded`, look around with `gyrostat list` and `gyrostat describe`, and compare
+published methods with `gyrostat reproduce`.""",
+)
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+ScenarioName = Annotated[str, typer.Argument(help="A TOML file, or a shipped scenario (`gyrostat list scenario`).")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, e.g. `observer.lambda1=2`. Repeatable."),
+]
+
+
+def main() -> None:
+    """Entry point: every foreseen problem is one line on stderr."""
+    try:
+        status = app(standalone_mode=False)
+    except InputError as error:
+        status = _complain(str(error), 2)
+    except KeyboardInterrupt:
+        status = _complain("interrupted", 130)
+    except Exception as error:
+        usage = getattr(
+            error, "format_message", None
+        )  # command line errors of typer, which has moved their class about
+        if usage is None:
+            raise
+        status = _complain(f"{usage()} See 'gyrostat --help'.", 2)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context, version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False
+) -> None:
+    if version:
+        typer.echo(_core.__version__)
+    elif context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+@app.command("list")
+def list_(
+    family: Annotated[str | None, typer.Argument(help="A family of components, `scenario` or `paper`.")] = None,
+    as_json: Json = False,
+) -> None:
+    """List what there is: components by family, shipped scenarios, papers.
+
+    Examples: `gyrostat list`, `gyrostat list fault`, `gyrostat list controller --json`
+    """
+    from gyrostat import papers
+
+    known = {**_core.catalogue(), "scenario": sorted(shipped()), "paper": papers.available()}
+    if family is not None:
+        if family not in known:
+            raise InputError(f"no family '{family}'{suggestion(family, known)}")
+        known = {family: known[family]}
+    if as_json:
+        _print_json(known)
+        return
+    for name, members in known.items():
+        typer.echo(f"{name:12} {', '.join(members)}")
+
+
+@app.command()
+def describe(
+    family: Annotated[str, typer.Argument(help="A family, or the name of a component.")],
+    name: Annotated[str | None, typer.Argument(help="The component.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Show the parameters of a component: default, unit, range and meaning.
+
+    Examples: `gyrostat describe observer finite_time_disturbance`, `gyrostat describe vehicle`
+    """
+    info = _core.describe(*_component(family, name))
+    if as_json:
+        _print_json(info)
+        return
+    typer.echo(f"{info['family']} {info['name']}")
+    rows = [
+        (
+            p["name"],
+            "required" if p["required"] else "-" if p["default"] is None else _short(p["default"]),
+            p["unit"],
+            "|".join(p["options"]) or range_text(p),
+            p["meaning"] + (" (default scales with the vehicle)" if p["scales"] else ""),
+        )
+        for p in info["params"]
+    ]
+    _print_columns(rows or [("no parameters", "", "", "", "")])
+
+
+@app.command()
+def run(
+    scenario: ScenarioName,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Save: `run.npz` for the data, a folder for data, figure and scenario.")
+    ] = None,
+    every: Annotated[int, typer.Option(min=1, help="Record every so many samples.")] = 1,
+    as_json: Json = False,
+) -> None:
+    """Fly a scenario and say how it went.
+
+    A run that ends early (singularity, non-finite state, failed integration) is saved up to there; exit status 3.
+
+    Examples: `gyrostat run wheel2_degraded`, `gyrostat run my.toml --set observer.lambda1=2 --out run.npz`
+    """
+    flown = _scenario(scenario, settings)
+    if out is not None:
+        _check_target(out)
+    with _progress(f"flying {scenario}") as progress:
+        result = flown.run(every=every, progress=progress)
+    if out is not None:
+        _save(result, out)
+    if as_json:
+        _print_json(
+            {
+                "scenario": scenario,
+                "status": result.status,
+                "cause": result.cause,
+                "end_time": result.end_time,
+                "samples": len(result),
+                "metrics": result.metrics.to_dict(),
+                "events": [vars(e) for e in result.events],
+                "statistics": dict(result.statistics),
+                "out": None if out is None else str(out),
+            }
+        )
+    else:
+        typer.echo(_summary(result))
+    if not result.completed:
+        raise typer.Exit(_complain(f"the run ended at {result.end_time:g} s: {result.cause or result.status}", 3))
+
+
+@app.command()
+def reproduce(
+    paper: Annotated[str, typer.Argument(help="A paper (`gyrostat list paper`), the folder of one, or `all`.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the report, the figures and their data; without it, claims only.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Fly every case of a paper and hold its claims against what is measured.
+
+    Exit status 1 if a claim is outside what we accept.
+
+    Examples: `gyrostat reproduce li2018`, `gyrostat reproduce all --out report`
+    """
+    from gyrostat import papers
+
+    if out is not None:
+        writable_folder(out)
+    chosen = [papers.load(name) for name in (papers.available() if paper == "all" else [paper])]
+    found = []
+    for one in chosen:
+        with _progress(f"reproducing {one.id}") as progress:
+            found.append(papers.reproduce(one, progress=progress))
+    page = None
+    if out is not None:
+        from gyrostat.report import write_report
+
+        page = write_report(out, found)
+    failed = sum(r.failed for r in found)
+    if as_json:
+        parts = [r.to_dict() for r in found]
+        total = {"papers": parts, "passed": sum(p["passed"] for p in parts), "failed": failed}
+        _print_json(total if paper == "all" else parts[0])
+    else:
+        for reproduction in found:
+            _print_reproduction(reproduction)
+        if page is not None:
+            typer.echo(f"report: {page}")
+    if failed:
+        raise typer.Exit(1)
+
+
+@app.command()
+def check(
+    scenario: ScenarioName,
+    settings: Settings = None,
+    effectiveness: Annotated[
+        tuple[float, float] | None,
+        typer.Option(metavar="LOW HIGH", help="Range to hold the compensation against, instead of the faults' own."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Check a scenario without flying it: components against vehicle and period, and stability of the compensation.
+
+    With a finite-time disturbance observer it says whether feeding the estimate forward through weakened actuators is
+    stable, unstable or unproven, with the critical effectiveness. Exit status 1 if a check fails.
+
+    Examples: `gyrostat check wheel2_degraded`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
+    """
+    from gyrostat.design import scenario_margin
+
+    checked = _scenario(scenario, settings)
+    rows = checked.check()
+    margin = scenario_margin(checked, effectiveness)
+    if as_json:
+        _print_json({"checks": rows, "compensation": None if margin is None else vars(margin)})
+    else:
+        lines = [(r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows]
+        if margin is not None:
+            lines.append(("compensation", checked.resolve()["observer"]["type"], str(margin)))
+        _print_columns(lines)
+    if not all(r["ok"] for r in rows):
+        raise typer.Exit(1)
+
+
+@app.command()
+def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = None) -> None:
+    """Print the JSON Schema of the scenario file; editors check and complete TOML with it.
+
+    Example: `gyrostat schema --out scenario.schema.json`
+    """
+    from gyrostat.schema import scenario_schema
+
+    text = json.dumps(scenario_schema(), indent=2, default=str)
+    if out is None:
+        typer.echo(text)
+        return
+    writable_folder(out.parent)
+    write_text(out, text + "\n")
+
+
+def _scenario(name: str, settings: Sequence[str] | None) -> Scenario:
+    scenario = Scenario.load(name)
+    changes = {}
+    for setting in settings or ():
+        key, equals, text = setting.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--set {setting}: write KEY=VALUE, for example --set observer.lambda1=2")
+        changes[key.strip()] = toml.value(text.strip())
+    return scenario.replace(**changes) if changes else scenario
+
+
+def _component(family: str, name: str | None) -> tuple[str, str]:
+    """Family and name of what is to be described; a name alone suffices when only one family has it."""
+    catalogue = _core.catalogue()
+    if name is not None:
+        if family not in catalogue:
+            raise InputError(f"no family '{family}'{suggestion(family, catalogue)}")
+        if name not in catalogue[family]:
+            raise InputError(f"no {family} '{name}'{suggestion(name, catalogue[family])}")
+        return family, name
+    if len(catalogue.get(family, ())) == 1:
+        return family, catalogue[family][0]
+    if family in catalogue:
+        raise InputError(f"which {family}? there are: {', '.join(catalogue[family])}")
+    owners = [f for f, names in catalogue.items() if family in names]
+    if not owners:
+        every = {n for names in catalogue.values() for n in names} | set(catalogue)
+        raise InputError(f"no component '{family}'{suggestion(family, every)}")
+    if len(owners) > 1:
+        raise InputError(f"'{family}' is in several families: {', '.join(owners)}; name one first")
+    return owners[0], family
+
+
+def _check_target(out: Path) -> None:
+    """Say before a run that its result could not be written."""
+    if out.suffix and out.suffix != ".npz":
+        raise InputError(f"--out {out}: a file ends in .npz; a name without ending is a folder")
+    if out.suffix and out.is_dir():
+        raise InputError(f"--out {out}: is a folder")
+    writable_folder(out.parent if out.suffix else out)
+
+
+def _save(result: Result, out: Path) -> None:
+    if out.suffix:
+        result.save(out)
+        return
+    result.save(out / "result.npz")
+    if isinstance(result.scenario, Scenario):
+        result.scenario.to_toml(out / "scenario.toml")
+    if len(result) > 1:
+        result.plot().save(out / "overview.png")
+
+
+def _summary(result: Result) -> str:
+    """How a run went, in one line."""
+    values = result.metrics.to_dict()
+    after = " after the last fault" if result.metrics.last_fault > 0.0 else ""
+    parts = []
+    if values["pointing_error"] is not None:
+        settled = values["settling_time"]
+        parts.append("does not settle to 0.1 deg" if settled is None else f"settled to 0.1 deg {settled:.1f} s{after}")
+        parts.append(f"pointing error {math.degrees(values['pointing_error']):.3g} deg (rms, last tenth)")
+    if values["saturated_fraction"] is not None:
+        parts.append(f"at a limit {100 * values['saturated_fraction']:.3g} % of the time")
+    if "estimate.effectiveness" in result.channels and "truth.effectiveness" in result.channels:
+        estimated, true = result["estimate.effectiveness"][-1], result["truth.effectiveness"][-1]
+        parts += [
+            f"actuator {i} estimated at {estimated[i]:.2f}, true {true[i]:.2f}"
+            for i in range(len(true))
+            if true[i] != 1.0
+        ]
+    return "; ".join(parts) or f"{len(result)} samples to {result.end_time:g} s"
+
+
+def _print_reproduction(reproduction: Reproduction) -> None:
+    from gyrostat.report import number
+
+    rows = [("claim", "published", "measured", "accepted", "", "published statement")]
+    for e in reproduction.evaluations:
+        low, high = (number(end) for end in e.claim.accept)
+        rows.append(
+            (
+                e.claim.id,
+                number(e.claim.published),
+                number(e.measured),
+                f"[{low}, {high}]",
+                "ok" if e.ok else "FAILED",
+                e.verdict,
+            )
+        )
+    _print_columns(rows)
+    passed = len(reproduction.evaluations) - reproduction.failed
+    typer.echo(f"{reproduction.paper.id}: {passed} of {len(reproduction.evaluations)} claims accepted")
+
+
+def _print_columns(rows: Sequence[Sequence[str]]) -> None:
+    columns = max(len(r) for r in rows)
+    widths = [max((len(r[i]) for r in rows if i < len(r)), default=0) for i in range(columns)]
+    for row in rows:
+        typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)).rstrip())
+
+
+def _print_json(value: Any) -> None:
+    typer.echo(json.dumps(_finite(value), indent=2, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    """JSON knows no infinity: an open end is null."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(v) for v in value]
+    return value
+
+
+def _short(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _relation(row: Mapping[str, Any]) -> str:
+    return f"{row['quantity']} = {row['value']:g}, must be {row['relation']} {row['limit']:g}"
+
+
+def _complain(text: str, status: int) -> int:
+    typer.echo(f"error: {text}", err=True)
+    return status
+
+
+@contextmanager
+def _progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], None]]:
+    """A bar on stderr that appears when the work takes longer than `patience` seconds."""
+    started = time.monotonic()
+    bar: Any = None
+    task: Any = None
+
+    def report(fraction: float) -> None:
+        nonlocal bar, task
+        if bar is None:
+            if time.monotonic() - started < patience:
+                return
+            from rich.console import Console
+            from rich.progress import Progress
+
+            bar = Progress(console=Console(stderr=True), transient=True)
+            task = bar.add_task(label, total=1.0)
+            bar.start()
+        bar.update(task, completed=fraction)
+
+    try:
+        yield report
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+__all__ = ["app", "main"]

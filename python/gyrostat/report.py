@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: MIT
+"""A static page for a reproduction: published against measured, with the figures. One file, no scripts, no network."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+
+from gyrostat._core import __version__
+from gyrostat.files import writable_folder, write_text
+from gyrostat.papers import Evaluation, Paper, Reproduction
+
+_style = """
+:root { color-scheme: light; --line: #dfe3e8; --soft: #f6f8fa; --text: #1f2933; --dim: #5f6b7a }
+* { box-sizing: border-box }
+body { margin: 0 auto; max-width: 70rem; padding: 1.5rem 1rem 4rem; color: var(--text); background: #fff;
+       font: 16px/1.55 system-ui, -apple-system, "Segoe UI", sans-serif }
+h1 { font-size: 1.7rem; margin: 0 0 .3rem }
+h2 { margin: 2.5rem 0 .3rem; font-size: 1.35rem } h3 { margin: 2rem 0 .6rem }
+p { max-width: 46rem } .dim { color: var(--dim) } nav a { margin-right: 1rem }
+.wide { overflow-x: auto; border: 1px solid var(--line); border-radius: 8px }
+table { border-collapse: collapse; width: 100%; font-size: .87rem }
+th, td { padding: .45rem .7rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line) }
+tr:last-child td { border-bottom: 0 }
+th { background: var(--soft); white-space: nowrap } td.n { font-variant-numeric: tabular-nums; white-space: nowrap }
+code { font: .85em ui-monospace, Menlo, Consolas, monospace; overflow-wrap: anywhere }
+.tag { display: inline-block; padding: .05rem .5rem; border-radius: 99px; font-size: .8rem; white-space: nowrap }
+.good { background: #e3f4e6; color: #14632b } .bad { background: #fde5e5; color: #9b1c1c }
+.warn { background: #fdf1d7; color: #7a4b00 } .none { background: #e9edf2; color: #3e4c59 }
+figure { margin: 1.2rem 0 }
+figure img { max-width: 100%; height: auto; border: 1px solid var(--line); border-radius: 8px }
+figcaption { font-size: .9rem; color: var(--dim) }
+"""
+
+_verdict_colors = {"reproduces": "good", "does not reproduce": "warn", "not measured": "bad"}
+
+
+def write_report(folder: Path, reproductions: Sequence[Reproduction]) -> Path:
+    """Write ``index.html`` with everything in it, and beside it each study's claims, figures and their data.
+
+    Parameters
+    ----------
+    folder
+        Where to; made if it is not there.
+    reproductions
+        The studies, in the order of the page.
+
+    Returns
+    -------
+    Path
+        The page to open.
+    """
+    sections = [_section(writable_folder(folder / r.paper.id), r) for r in reproductions]
+    page = folder / "index.html"
+    write_text(page, _page(reproductions, sections))
+    return page
+
+
+def _section(folder: Path, reproduction: Reproduction) -> str:
+    paper = reproduction.paper
+    write_text(folder / "claims.json", json.dumps(reproduction.to_dict(), indent=2) + "\n")
+    figures = []
+    for figure in paper.figures:
+        picture = figure.draw(reproduction.results).save(folder / f"{figure.name}.png")
+        data = base64.b64encode(picture.read_bytes()).decode()
+        figures.append(
+            f'<figure id="{escape(paper.id)}-{escape(figure.name)}"><img alt="{escape(figure.caption)}" '
+            f'src="data:image/png;base64,{data}"><figcaption>{escape(figure.caption)} Data: '
+            f"<code>{escape(paper.id)}/{escape(figure.name)}.npz</code></figcaption></figure>"
+        )
+    return "\n".join(
+        [
+            f'<h2 id="{escape(paper.id)}">{escape(paper.title)}</h2>',
+            f'<p class="dim">{escape(paper.citation)}</p>',
+            f"<p>{_summary(reproduction)}</p>",
+            "<h3>Published and measured</h3>",
+            _table(
+                ("claim", "case", "quantity", "published", "measured", "accepted", "published statement", ""),
+                [_claim_row(e) for e in reproduction.evaluations],
+            ),
+            "<h3>Figures</h3>" if figures else "",
+            *figures,
+            "<h3>Cases</h3>",
+            _table(
+                ("case", "what", "integrator", "period (s)", "duration (s)", "ended"), _case_rows(paper, reproduction)
+            ),
+        ]
+    )
+
+
+def _page(reproductions: Sequence[Reproduction], sections: Sequence[str]) -> str:
+    links = " ".join(f'<a href="#{escape(r.paper.id)}">{escape(r.paper.id)}</a>' for r in reproductions)
+    return f"""<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>gyrostat: published and measured</title>
+<style>{_style}</style>
+<h1>Published and measured</h1>
+<p class="dim">gyrostat {escape(__version__)}. A claim is accepted when the measured value lies in the range stated in
+advance; the published statement is judged apart from that, so an accepted claim can show that a statement does not
+hold. Every number comes from the runs of this report.</p>
+<nav>{links}</nav>
+{"".join(sections)}
+</html>
+"""
+
+
+def _summary(reproduction: Reproduction) -> str:
+    claims = reproduction.evaluations
+    stated = [e for e in claims if e.claim.reported is not None]
+    held = sum(e.verdict == "reproduces" for e in stated)
+    text = f"{len(claims) - reproduction.failed} of {len(claims)} claims accepted."
+    if stated:
+        text += f" {held} of {len(stated)} published statements reproduce."
+    return text
+
+
+def _claim_row(evaluation: Evaluation) -> list[str]:
+    claim = evaluation.claim
+    note = f'<br><span class="dim">{escape(evaluation.note)}</span>' if evaluation.note else ""
+    return [
+        f"<code>{escape(claim.id)}</code>",
+        f"<code>{escape(claim.case)}</code>",
+        escape(claim.quantity) + note,
+        escape(number(claim.published)),
+        escape(number(evaluation.measured)),
+        escape(f"{number(claim.accept[0])} … {number(claim.accept[1])}"),
+        _tag(evaluation.verdict, _verdict_colors.get(evaluation.verdict, "none")),
+        _tag("accepted", "good") if evaluation.ok else _tag("not accepted", "bad"),
+    ]
+
+
+def _case_rows(paper: Paper, reproduction: Reproduction) -> list[list[str]]:
+    return [
+        [
+            f"<code>{escape(case.id)}</code>",
+            escape(case.title),
+            escape(case.integrator),
+            number(case.scenario.dt),
+            number(case.scenario.duration),
+            escape(reproduction.endings.get(case.id, "as planned")),
+        ]
+        for case in paper.cases.values()
+    ]
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    header = "".join(f"<th>{h}</th>" for h in head)
+    body = "\n".join(
+        "<tr>" + "".join(f'<td class="n">{c}</td>' if _is_number(c) else f"<td>{c}</td>" for c in r) + "</tr>"
+        for r in rows
+    )
+    return f'<div class="wide"><table><thead><tr>{header}</tr></thead><tbody>\n{body}\n</tbody></table></div>'
+
+
+def number(value: float | str | None) -> str:
+    """A number with three digits; a dash when there is none."""
+    if value is None:
+        return "–"
+    return value if isinstance(value, str) else f"{value:.3g}"
+
+
+def _tag(text: str, color: str) -> str:
+    return f'<span class="tag {color}">{escape(text)}</span>'
+
+
+def _is_number(text: str) -> bool:
+    return bool(text) and (text[0].isdigit() or text[0] in "-–") and len(text) < 24

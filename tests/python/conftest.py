@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: MIT
+"""Scenarios that many tests start from."""
+
+from __future__ import annotations
+
+import gyrostat as gs
+import pytest
+
+
+@pytest.fixture(scope="session")
+def scenario() -> gs.Scenario:
+    """FTC-4RW for 30 s, wheel 2 at 40 % from 5 s: short, with a fault, noise and a disturbance."""
+    return gs.Scenario(
+        vehicle=gs.vehicle.ftc_4rw(),
+        initial=gs.Initial(mrp=(0.1, 0.2, -0.3), omega_BN_B=(0.01, -0.02, 0.03)),
+        controller=gs.controller("mrp_feedback"),
+        faults=[gs.faults.LossOfEffectiveness(actuator=2, t_on=5.0, remaining=0.4)],
+        disturbances=[gs.disturbances.Constant(torque_B=(1e-3, -2e-3, 1.5e-3))],
+        sensors=[gs.sensors.Gyro(noise=1e-6)],
+        duration=30.0,
+        dt=0.01,
+        seed=7,
+    )
+
+
+@pytest.fixture(scope="session")
+def result(scenario: gs.Scenario) -> gs.Result:
+    """What flying it gives."""
+    return scenario.run()

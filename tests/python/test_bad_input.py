@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: MIT
+"""Bad input: one line that names the place, the key, the value and what is allowed, before anything runs."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import gyrostat as gs
+import pytest
+
+# what is changed -> what the message must say
+CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
+    "wrong type of a number": ({"dt": "fast"}, ["dt = 'fast'", "number"]),
+    "wrong type of a parameter": (
+        {"observer": {"type": "finite_time_disturbance", "lambda1": "high"}},
+        ["observer 'finite_time_disturbance'", "lambda1", "high", "number"],
+    ),
+    "a switch is no number": ({"duration": True}, ["duration", "True", "number"]),
+    "unknown key": ({"durration": 3.0}, ["durration", "did you mean 'duration'"]),
+    "unknown key of the vehicle": ({"vehicle.umax": 0.1}, ["vehicle", "umax", "did you mean 'u_max'"]),
+    "misspelt component": (
+        {"observer": "finite_time_disturbanc"},
+        ["observer", "finite_time_disturbanc", "did you mean 'finite_time_disturbance'"],
+    ),
+    "misspelt parameter": (
+        {"observer": {"type": "finite_time_disturbance", "lamda1": 1.0}},
+        ["observer 'finite_time_disturbance'", "lamda1", "did you mean 'lambda1'"],
+    ),
+    "value out of range": (
+        {"observer": {"type": "finite_time_disturbance", "lambda1": -1.0}},
+        ["observer 'finite_time_disturbance'", "lambda1 = -1", "["],
+    ),
+    "value that is not a number": (
+        {"observer": {"type": "finite_time_disturbance", "lambda1": math.nan}},
+        ["lambda1 = nan", "not a number"],
+    ),
+    "infinite value": ({"initial.omega_BN_B": [math.inf, 0.0, 0.0]}, ["initial", "omega_BN_B", "inf", "finite"]),
+    "infinite duration": ({"duration": math.inf}, ["duration", "inf", "finite"]),
+    "non-symmetric inertia": (
+        {"vehicle.J_B": [[20.0, 1.0, 0.0], [0.0, 17.0, 0.0], [0.0, 0.0, 15.0]]},
+        ["vehicle", "J_B", "not symmetric", "1"],
+    ),
+    "non-positive inertia": ({"vehicle.J_B": [20.0, -17.0, 15.0]}, ["vehicle", "J_B", "-17", "> 0"]),
+    "no body has this inertia": ({"vehicle.J_B": [40.0, 17.0, 15.0]}, ["vehicle", "J_B", "17", "40", "triangle"]),
+    "zero quaternion": ({"initial": {"q_NB": [0.0, 0.0, 0.0, 0.0]}}, ["initial", "q_NB", "zero"]),
+    "non-unit quaternion": ({"initial": {"q_NB": [1.0, 1.0, 0.0, 0.0]}}, ["initial", "q_NB", "norm 1.41", "unit"]),
+    "two attitudes at once": (
+        {"initial": {"mrp": [0.0, 0.0, 0.1], "euler": [0.0, 0.0, 0.1]}},
+        ["initial", "q_NB, mrp and euler"],
+    ),
+    "rank-deficient actuators": (
+        {"vehicle": {"J_B": [20.0, 17.0, 15.0], "D_B": [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 0.0, 0.0]]}},
+        ["vehicle", "D_B", "rank", "three independent"],
+    ),
+    "negative sample time": ({"dt": -0.01}, ["dt = -0.01", "["]),
+    "zero sample time": ({"dt": 0.0}, ["dt = 0", "["]),
+    "fault on an actuator that is not there": ({"faults.0.actuator": 7}, ["faults[0]", "actuator = 7", "0 to 3"]),
+    "contradictory faults": (
+        {
+            "faults": [
+                {"type": "stuck", "actuator": 1, "t_on": 5.0, "torque": 0.1},
+                {"type": "dead", "actuator": 1, "t_on": 10.0},
+            ]
+        },
+        ["stuck", "dead", "1"],
+    ),
+    "duration not a multiple of dt": ({"duration": 30.005}, ["duration = 30.005", "dt = 0.01", "30 ", "30.01"]),
+    "component without a type": ({"observer": {"lambda1": 2.0}}, ["observer", "type"]),
+    "list where one component belongs": ({"faults": {"type": "dead", "actuator": 1}}, ["faults", "list"]),
+    "position that is not in the list": ({"faults.3.t_on": 1.0}, ["faults.3", "0 to 0"]),
+    "missing vehicle part": ({"vehicle": {"J_B": [1.0, 1.0, 1.0]}}, ["vehicle", "D_B is missing"]),
+    "unknown key of a shadow": ({"shadows": [{"obs": "passthrough"}]}, ["shadows[0]", "obs", "observer"]),
+    "seed that is no whole number": ({"seed": 1.5}, ["seed = 1.5", "integer"]),
+    "an object that cannot fly": ({"controller": object()}, ["controller", "object"]),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_bad_values_are_refused_in_one_telling_line(scenario: gs.Scenario, case: str) -> None:
+    changes, words = CASES[case]
+    with pytest.raises(gs.InputError) as caught:
+        scenario.replace(**changes)
+    message = str(caught.value)
+    assert "\n" not in message
+    for word in words:
+        assert word in message, message
+
+
+def test_missing_duration_is_named(scenario: gs.Scenario) -> None:
+    with pytest.raises(gs.InputError, match=r"^dt is missing$"):
+        gs.Scenario(vehicle=scenario.vehicle, duration=1.0)  # type: ignore[call-arg]
+
+
+def test_a_component_is_checked_when_it_is_written_down() -> None:
+    with pytest.raises(gs.InputError, match=r"no parameter 'lamda1', did you mean 'lambda1'\?$"):
+        gs.observer("finite_time_disturbance", lamda1=1.0)
+    with pytest.raises(gs.InputError, match="remaining"):
+        gs.faults.LossOfEffectiveness(actuator=1)  # type: ignore[call-arg]
+
+
+def test_an_unknown_channel_names_a_near_one(scenario: gs.Scenario, result: gs.Result) -> None:
+    with pytest.raises(KeyError, match="did you mean 'omega_BN_B'"):
+        result["omega_BNB"]
+    with pytest.raises(gs.InputError, match=r"no channel 'truth.omga_BN_B', did you mean 'truth.omega_BN_B'"):
+        scenario.run(channels=["truth.omga_BN_B"])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("duration = 60\ndt 0.01\n", ["line 2"]),
+        ("duration = 60\n[vehicle]\nJ_B = [[20, 0,", ["line 3 (end of file)"]),
+        ("duration = 60\nduration = 61\n", ["line 2"]),
+        ("duration = 60\ndt = 0.01\n", ["vehicle is missing"]),
+        ("[vehicle]\nJ_B = 1\n", ["duration is missing"]),
+    ],
+)
+def test_a_broken_file_is_named_with_the_line(tmp_path: Path, text: str, words: list[str]) -> None:
+    path = tmp_path / "broken.toml"
+    path.write_text(text)
+    with pytest.raises(gs.InputError) as caught:
+        gs.Scenario.from_toml(path)
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert "\n" not in message
+    for word in words:
+        assert word in message, message
+
+
+def test_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "binary.toml"
+    path.write_bytes(b"name = '\xff'\n")
+    with pytest.raises(gs.InputError, match=r"binary\.toml: byte 8 is not UTF-8 text$"):
+        gs.Scenario.from_toml(path)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(gs.InputError, match=r"nowhere\.toml: cannot be read: no such file or directory$"):
+        gs.Scenario.load(tmp_path / "nowhere.toml")
+
+
+def test_an_unknown_shipped_scenario_names_a_near_one() -> None:
+    with pytest.raises(gs.InputError, match=r"^no scenario 'wheel2_degrade', did you mean 'wheel2_degraded'\?$"):
+        gs.Scenario.load("wheel2_degrade")
+
+
+def test_a_failed_save_leaves_nothing_behind(
+    result: gs.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise OSError(28, os.strerror(28))
+
+    monkeypatch.setattr("gyrostat.results.np.savez_compressed", broken)
+    with pytest.raises(OSError, match="No space left"):
+        result.save(tmp_path / "run.npz")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_python_component_cannot_be_written_as_toml(scenario: gs.Scenario) -> None:
+    class Idle:
+        def step(self, *_: object) -> list[float]:
+            return [0.0, 0.0, 0.0]
+
+    with pytest.raises(gs.InputError, match="controller is a Python object"):
+        scenario.replace(controller=Idle()).to_toml()
+
+
+def test_a_file_that_is_no_result_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    path.write_bytes(b"no archive")
+    with pytest.raises(gs.InputError, match=r"run\.npz: is not a saved result$"):
+        gs.Result.load(path)

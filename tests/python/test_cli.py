@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: MIT
+"""The command line, through processes as a user starts it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import gyrostat as gs
+import jsonschema
+import numpy as np
+import pytest
+from gyrostat import _core
+from gyrostat.scenario import shipped
+from gyrostat.schema import scenario_schema
+
+SHORT = ["--set", "duration=3"]
+
+
+def gyrostat(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from gyrostat.cli import main; main()", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120, check=False)
+
+
+def printed(*arguments: str) -> Any:
+    done = gyrostat(*arguments)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_help_teaches_with_examples() -> None:
+    assert "gyrostat run wheel2_degraded" in gyrostat("--help").stdout
+    for command in ("list", "describe", "run", "reproduce", "check", "schema"):
+        done = gyrostat(command, "--help")
+        assert done.returncode == 0
+        assert "Example" in done.stdout, command
+    assert gyrostat().stdout == gyrostat("--help").stdout
+
+
+def test_list_shows_the_catalogue_scenarios_and_papers() -> None:
+    listed = printed("list", "--json")
+    assert {k: listed[k] for k in _core.catalogue()} == _core.catalogue()
+    assert "wheel2_degraded" in listed["scenario"]
+    assert "paper" in listed
+    assert gyrostat("list", "fault").stdout.startswith("fault")
+
+
+def test_describe_shows_every_parameter_of_every_component() -> None:
+    for family, names in _core.catalogue().items():
+        for name in names:
+            info = _core.describe(family, name)
+            assert info["name"] == name
+    text = gyrostat("describe", "finite_time_disturbance").stdout
+    for param in _core.describe("observer", "finite_time_disturbance")["params"]:
+        assert param["name"] in text
+        assert param["meaning"] in text
+    info = printed("describe", "integrator", "cvode", "--json")
+    assert {p["name"] for p in info["params"]} >= {"rtol", "atol"}
+
+
+def test_run_prints_the_same_metrics_as_python() -> None:
+    done = printed("run", "wheel2_degraded", *SHORT, "--json")
+    result = gs.Scenario.load("wheel2_degraded").replace(duration=3).run()
+    assert done["status"] == "completed"
+    assert done["samples"] == len(result)
+    assert done["metrics"] == result.metrics.to_dict()
+
+
+def test_run_says_in_one_line_how_it_went() -> None:
+    done = gyrostat("run", "wheel2_degraded", *SHORT)
+    assert done.returncode == 0
+    assert done.stdout.count("\n") == 1
+    assert "pointing error" in done.stdout
+
+
+def test_run_saves_data_or_a_folder(tmp_path: Path) -> None:
+    assert gyrostat("run", "ftc_4rw", *SHORT, "--out", str(tmp_path / "new" / "run.npz")).returncode == 0
+    assert gs.Result.load(tmp_path / "new" / "run.npz").end_time == 3.0
+    assert gyrostat("run", "ftc_4rw", *SHORT, "--out", str(tmp_path / "folder")).returncode == 0
+    assert sorted(p.name for p in (tmp_path / "folder").iterdir()) == [
+        "overview.npz",
+        "overview.png",
+        "result.npz",
+        "scenario.toml",
+    ]
+    assert gs.Scenario.from_toml(tmp_path / "folder" / "scenario.toml").duration == 3.0
+
+
+def test_set_takes_numbers_words_and_lists() -> None:
+    settings = ["observer=finite_time_disturbance", "observer.method=explicit_euler", "faults.0.remaining=0.9"]
+    arguments = [part for s in settings for part in ("--set", s)]
+    done = printed("run", "wheel2_degraded", *SHORT, *arguments, "--json")
+    assert done["status"] == "completed"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "wheel2_degrade"], ["no scenario 'wheel2_degrade'", "did you mean 'wheel2_degraded'"]),
+        (["run", "nowhere.toml"], ["nowhere.toml: cannot be read"]),
+        (["run", "ftc_4rw", "--set", "observer"], ["--set observer", "KEY=VALUE"]),
+        (["run", "ftc_4rw", "--set", "observr.x=1"], ["observr", "did you mean 'observer'"]),
+        (["run", "wheel2_degraded", "--set", "observer.lambda1=-1"], ["lambda1 = -1"]),
+        (["run", "ftc_4rw", "--set", "duration=60.005"], ["duration = 60.005", "60.01"]),
+        (["run", "ftc_4rw", "--out", "run.csv"], ["run.csv", ".npz"]),
+        (["run", "ftc_4rw", "--every", "0"], ["--every"]),
+        (["describe", "nothing_like_it"], ["no component 'nothing_like_it'"]),
+        (["describe", "observer"], ["which observer?", "passthrough"]),
+        (["describe", "observer", "passthru"], ["no observer 'passthru'", "did you mean 'passthrough'"]),
+        (["list", "faults"], ["no family 'faults'", "did you mean 'fault'"]),
+        (["reproduce", "nobody1900"], ["no paper 'nobody1900'"]),
+        (["fly"], ["No such command 'fly'"]),
+        (["run"], ["Missing argument"]),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(arguments: list[str], words: list[str]) -> None:
+    done = gyrostat(*arguments)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.count("\n") == 1, done.stderr
+    for word in words:
+        assert word in done.stderr
+
+
+def test_a_broken_file_is_named_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "cut.toml"
+    path.write_text("duration = 60\ndt = 0.01\n[vehicle]\nJ_B = [[20, 0")
+    done = gyrostat("run", str(path))
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"error: {path}: line 4 (end of file)")
+
+
+def test_a_folder_that_cannot_be_written_is_said_before_the_run(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    for arguments in (
+        ["run", "ftc_4rw", "--out", str(blocked / "run.npz")],
+        ["run", "ftc_4rw", "--out", str(blocked / "folder")],
+        ["reproduce", "all", "--out", str(blocked / "report")],
+    ):
+        done = gyrostat(*arguments)
+        assert done.returncode == 2
+        assert done.stderr.startswith("error: ")
+        assert "cannot be written" in done.stderr
+        assert done.stderr.count("\n") == 1
+    assert blocked.read_text() == "not a folder"
+    assert os.listdir(tmp_path) == ["file"]
+
+
+def test_a_run_that_ends_early_is_saved_up_to_there_with_status_3(tmp_path: Path) -> None:
+    out = tmp_path / "early.npz"
+    # An inertial rate of 1e3 rad/s held by an integrator that may take one step per sample and no more.
+    settings = ["--set", "initial.omega_BN_B=[1000,1000,1000]", "--set", "integrator={type='rk4'}", "--set", "dt=1"]
+    done = gyrostat("run", "ftc_4rw", *settings, "--out", str(out), "--json")
+    assert done.returncode == 3
+    assert done.stderr.startswith("error: the run ended at ")
+    summary = json.loads(done.stdout)
+    assert summary["status"] == "non_finite"
+    result = gs.Result.load(out)
+    assert result.status == "non_finite"
+    assert result.t[-1] <= result.end_time < 60.0
+    assert np.isfinite(result["omega_BN_B"]).all()
+
+
+def test_check_says_whether_the_compensation_is_stable() -> None:
+    checked = printed("check", "wheel2_degraded", "--json")
+    assert all(row["ok"] for row in checked["checks"])
+    margin = checked["compensation"]
+    # wheel 2 of the pyramid at 40 %: smallest eigenvalue of D E D+ is 1 - 0.6 * 3 / 4
+    assert margin["lowest"] == pytest.approx(0.55, abs=1e-12)
+    assert margin["highest"] == pytest.approx(1.0, abs=1e-12)
+    assert margin["verdict"] in gyrostat("check", "wheel2_degraded").stdout
+    gains = ["--set", "observer.lambda1=1", "--set", "observer.lambda2=0.6"]
+    for span, verdict in ((("0.3", "1"), "stable"), (("0.05", "1"), "unproven"), (("0.05", "0.1"), "unstable")):
+        found = printed("check", "wheel2_degraded", *gains, "--effectiveness", *span, "--json")["compensation"]
+        assert found["verdict"] == verdict
+        assert found["critical"] == pytest.approx(0.6 / (1 + 0.6**0.5) ** 2, rel=1e-12)
+
+
+def test_the_schema_accepts_what_runs_and_refuses_typing_errors(tmp_path: Path) -> None:
+    assert gyrostat("schema", "--out", str(tmp_path / "s.json")).returncode == 0
+    schema = json.loads((tmp_path / "s.json").read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    validator = jsonschema.Draft202012Validator(schema)
+    for path in shipped().values():
+        tables = gs.Scenario.from_toml(path).to_dict()
+        validator.validate(tables)
+        for wrong in ({**tables, "durtion": 1}, {**tables, "observer": {"type": "passthrogh"}}, {**tables, "dt": "x"}):
+            assert not validator.is_valid(wrong)
+
+
+def test_the_schema_names_every_parameter() -> None:
+    definitions = scenario_schema()["$defs"]
+    for family in definitions:
+        for name, table in zip(_core.catalogue()[family], definitions[family]["anyOf"], strict=True):
+            known = {p["name"] for p in _core.describe(family, name)["params"]}
+            assert set(table["properties"]) == known | {"type"}

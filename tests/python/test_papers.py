@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: MIT
+"""The machinery of claims, on a small study made here."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import gyrostat as gs
+import numpy as np
+import pytest
+from gyrostat import papers
+from gyrostat.report import write_report
+
+CLAIMS = """
+title = "A study of one wheel"
+citation = "Nobody, nowhere"
+record = ["truth.omega_BN_B", "error.angle", "allocation.u"]
+
+[cases.degraded]
+[cases.healthy]
+title = "without fault"
+scenario = "degraded"
+set = { "faults" = [] }
+
+[[claims]]
+id = "peak"
+case = ["degraded", "healthy"]
+quantity = "largest command, N m"
+published = 0.25
+reported = ["-inf", 0.25]
+accept = [0.0, 0.2000001]
+measure = { metric = "window_max", signal = "allocation.u", window = [0, 5] }
+
+[[claims]]
+id = "too_good"
+case = "degraded"
+quantity = "error at the end, rad"
+published = "zero"
+reported = [0, 1e-12]
+accept = [1e-9, "inf"]
+measure = { metric = "final", signal = "error.angle" }
+note = "cannot hold"
+
+[[claims]]
+id = "same"
+case = "degraded"
+quantity = "difference between the cases before the fault, rad/s"
+accept = [0, 0]
+measure = { metric = "difference", signal = "rate", against = "healthy", window = [0, 4] }
+
+[[claims]]
+id = "impossible"
+case = "degraded"
+quantity = "time of an error of 100 rad, s"
+accept = ["-inf", "inf"]
+measure = { metric = "first_reach", signal = "error.angle", level = 100 }
+
+[[claims]]
+id = "own"
+case = "degraded"
+quantity = "a metric of the study"
+accept = [3, 3]
+measure = { metric = "columns", signal = "rate" }
+"""
+
+SIGNALS = """
+SIGNALS = {"rate": lambda result: result["truth.omega_BN_B"]}
+METRICS = {"columns": lambda result, *, signal: signal.shape[1]}
+"""
+
+FIGURES = """
+from gyrostat.papers import PaperFigure
+from gyrostat.plots import Figure
+
+def draw(results):
+    figure = Figure("both cases")
+    for name, result in results.items():
+        figure.line(0, result.t, result["error.angle"], f"error {name}", "rad", log=True)
+    return figure
+
+FIGURES = [PaperFigure("fig1", "Error in both cases.", ["degraded", "healthy"], draw)]
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path, scenario: gs.Scenario) -> Path:
+    folder = tmp_path / "one_wheel"
+    (folder / "scenarios").mkdir(parents=True)
+    scenario.replace(duration=6.0).to_toml(folder / "scenarios" / "degraded.toml")
+    (folder / "claims.toml").write_text(CLAIMS)
+    (folder / "signals.py").write_text(SIGNALS)
+    (folder / "figures.py").write_text(FIGURES)
+    return folder
+
+
+def test_claims_are_measured_and_judged(study: Path) -> None:
+    fractions: list[float] = []
+    reproduction = papers.reproduce(papers.load(str(study)), progress=fractions.append)
+    found = {e["id"]: e for e in reproduction.to_dict()["claims"]}
+    assert list(found) == ["peak@degraded", "peak@healthy", "too_good", "same", "impossible", "own"]
+    assert set(found["same"]) == set(
+        ["id", "case", "quantity", "published", "measured", "accept", "ok", "verdict", "note"]
+    )
+    assert found["peak@healthy"]["ok"]
+    assert found["peak@healthy"]["verdict"] == "reproduces"
+    assert found["peak@healthy"]["measured"] == 0.2
+    assert found["too_good"]["ok"]
+    assert found["too_good"]["verdict"] == "does not reproduce"
+    assert found["too_good"]["accept"] == [1e-9, None]
+    assert found["same"]["measured"] == 0.0
+    assert found["same"]["published"] is None
+    assert found["same"]["verdict"] == "measured only"
+    assert found["impossible"]["measured"] is None
+    assert not found["impossible"]["ok"]
+    assert found["impossible"]["verdict"] == "not measured"
+    assert found["own"]["measured"] == 3.0
+    assert (reproduction.to_dict()["passed"], reproduction.failed) == (5, 1)
+    assert fractions[-1] == 1.0
+
+
+def test_the_report_holds_every_claim_and_figure_in_one_file(study: Path, tmp_path: Path) -> None:
+    reproduction = papers.reproduce(papers.load(str(study)))
+    page = write_report(tmp_path / "report", [reproduction])
+    text = page.read_text()
+    for e in reproduction.evaluations:
+        assert e.claim.id in text
+    assert "data:image/png;base64," in text
+    assert "http" not in text, "self-contained"
+    folder = tmp_path / "report" / "one_wheel"
+    assert sorted(p.name for p in folder.iterdir()) == ["claims.json", "fig1.npz", "fig1.png"]
+    assert json.loads((folder / "claims.json").read_text()) == reproduction.to_dict()
+    with np.load(folder / "fig1.npz") as data:
+        np.testing.assert_array_equal(data["error degraded"], reproduction.results["degraded"]["error.angle"])
+
+
+def test_a_run_that_ended_before_the_window_counts_as_failed(study: Path) -> None:
+    paper = papers.load(str(study))
+    result = paper.cases["degraded"].scenario.run()
+    short = gs.Result(
+        result.scenario,
+        result.t[:300],
+        {k: v[:300] for k, v in result.channels.items()},
+        status="singular",
+        cause="pitch at 90 deg",
+        end_time=2.99,
+    )
+    evaluation = next(c for c in paper.claims if c.id == "peak@degraded").evaluate(short, {})
+    assert not evaluation.ok
+    assert "ended at 2.99 s: pitch at 90 deg" in evaluation.note
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('metric = "final"', 'metric = "finale"', ["claim 'too_good'", "finale", "did you mean 'final'"]),
+        ('case = "degraded"', 'case = "degrade"', ["claim 'too_good'", "degrade", "did you mean 'degraded'"]),
+        ('signal = "error.angle" }', 'signl = "error.angle" }', ["too_good", "signl"]),
+        ("accept = [1e-9,", "accept = [true,", ["claims[1]", "accept"]),
+        ('accept = [1e-9, "inf"]', 'accept = [1, "wide"]', ["too_good", "wide"]),
+        ("accept = [1e-9,", "acept = [1e-9,", ["claims[1]"]),
+        ('scenario = "degraded"', 'scenario = "absent"', ["case 'healthy'", "absent.toml"]),
+        ('set = { "faults" = [] }', 'set = { "faults.0.remainin" = 1 }', ["case 'healthy'", "remainin"]),
+        ('id = "own"', 'id = "same"', ["'same'", "twice"]),
+    ],
+)
+def test_a_mistake_in_the_claims_is_named_before_anything_runs(
+    study: Path, old: str, new: str, words: list[str]
+) -> None:
+    text = CLAIMS.replace(old, new, 1)
+    assert text != CLAIMS
+    (study / "claims.toml").write_text(text)
+    with pytest.raises(gs.InputError) as caught:
+        papers.load(str(study))
+    message = str(caught.value)
+    assert message.startswith(str(study / "claims.toml"))
+    assert "\n" not in message
+    for word in words:
+        assert word in message, message
+
+
+def test_an_unknown_paper_is_named() -> None:
+    with pytest.raises(gs.InputError, match="^no paper 'li2081'"):
+        papers.load("li2081")
+
+
+@pytest.mark.parametrize("name", papers.available())
+def test_the_claims_of_every_shipped_paper_can_be_read(name: str) -> None:
+    paper = papers.load(name)
+    assert paper.claims
+    assert {c.case for c in paper.claims} <= set(paper.cases)
