@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -149,7 +148,7 @@ def test_a_folder_that_cannot_be_written_is_said_before_the_run(tmp_path: Path) 
         assert "cannot be written" in done.stderr
         assert done.stderr.count("\n") == 1
     assert blocked.read_text() == "not a folder"
-    assert os.listdir(tmp_path) == ["file"]
+    assert list(tmp_path.iterdir()) == [blocked]
 
 
 def test_a_run_that_ends_early_is_saved_up_to_there_with_status_3(tmp_path: Path) -> None:

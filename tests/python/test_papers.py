@@ -99,9 +99,8 @@ def test_claims_are_measured_and_judged(study: Path) -> None:
     reproduction = papers.reproduce(papers.load(str(study)), progress=fractions.append)
     found = {e["id"]: e for e in reproduction.to_dict()["claims"]}
     assert list(found) == ["peak@degraded", "peak@healthy", "too_good", "same", "impossible", "own"]
-    assert set(found["same"]) == set(
-        ["id", "case", "quantity", "published", "measured", "accept", "ok", "verdict", "note"]
-    )
+    keys = {"id", "case", "quantity", "published", "measured", "accept", "ok", "verdict", "note"}
+    assert set(found["same"]) == keys
     assert found["peak@healthy"]["ok"]
     assert found["peak@healthy"]["verdict"] == "reproduces"
     assert found["peak@healthy"]["measured"] == 0.2
@@ -180,7 +179,7 @@ def test_a_mistake_in_the_claims_is_named_before_anything_runs(
 
 
 def test_an_unknown_paper_is_named() -> None:
-    with pytest.raises(gs.InputError, match="^no paper 'li2081'"):
+    with pytest.raises(gs.InputError, match=r"^no paper 'li2081'"):
         papers.load("li2081")
 
 

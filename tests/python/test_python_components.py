@@ -44,10 +44,10 @@ def test_a_python_controller_flies_the_same_path_as_the_compiled_one(ideal: gs.S
 
 
 def test_the_exception_of_a_python_component_reaches_the_caller_unchanged(ideal: gs.Scenario) -> None:
-    class Trouble(Exception):
+    class TroubleError(Exception):
         pass
 
-    problem = Trouble("wheel 2 is on fire")
+    problem = TroubleError("wheel 2 is on fire")
 
     class Failing:
         def step(self, x: gs.Estimate, *_: object) -> np.ndarray:
@@ -55,7 +55,7 @@ def test_the_exception_of_a_python_component_reaches_the_caller_unchanged(ideal:
                 raise problem
             return np.zeros(3)
 
-    with pytest.raises(Trouble) as caught:
+    with pytest.raises(TroubleError) as caught:
         ideal.replace(controller=Failing()).run()
     assert caught.value is problem
 
