@@ -169,7 +169,7 @@ class AllocationSolver {
     for (int r = 0; r < M; ++r) kernel_.b[r] = clamped(demand[r] * per_torque, far, out.warnings);
     size_ = std::max(size, kernel_.b.cwiseAbs().maxCoeff());
     kernel_.tolerance = (single ? S(2e-7) : S(1e-13)) * size_;
-    kernel_.rank_tolerance = single ? S(1e-5) : S(1e-10);
+    kernel_.rank_tolerance = single ? S(3e-5) : S(1e-10);
 
     residual_weight_ = p.residual_weight * per_effort * geometry_ * geometry_;
     if (residual_weight_ > weight_cap || residual_weight_ < S(1) / weight_cap) {

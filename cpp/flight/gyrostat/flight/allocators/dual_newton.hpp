@@ -17,6 +17,7 @@
 #include <cstdint>
 
 #include "gyrostat/flight/allocators/ldl.hpp"
+#include "gyrostat/flight/allocators/orthogonal_factor.hpp"
 
 namespace gyrostat {
 
@@ -45,7 +46,7 @@ class DualNewton {
   Matrix R;
   Torque centre;
   S tolerance = S(0);      ///< on the largest |F|
-  S rank_tolerance = S(0); ///< a pivot below this fraction of the largest diagonal element counts as zero
+  S rank_tolerance = S(0); ///< torque directions weaker than this fraction of the strongest count as absent
 
   int steps = 0;  ///< Newton steps taken since the caller set it to zero
 
@@ -61,7 +62,7 @@ class DualNewton {
       if (steps >= cap) return NewtonOutcome::capped;
       if (!factor() && stop_at_singular) return NewtonOutcome::singular;
       previous = size;
-      same_piece = advance(-ldl_.solve(now().F));
+      same_piece = advance(-solve_factored(now().F));
     }
   }
 
@@ -72,10 +73,10 @@ class DualNewton {
   bool is_free(int i) const noexcept { return ((points_[current_].below | points_[current_].above) >> i & 1u) == 0u; }
   bool all_clipped() const noexcept { return (points_[current_].below | points_[current_].above) == (std::uint64_t{1} << n) - 1u; }
 
-  /// J^-1 v at the current point, J the derivative of F (with a ridge where that is singular).
+  /// J^-1 v at the current point, J the derivative of F (regularised where that is singular).
   Torque solve_jacobian(const Torque& v) noexcept {
     factor();
-    return ldl_.solve(v);
+    return solve_factored(v);
   }
 
  private:
@@ -120,19 +121,26 @@ class DualNewton {
     p.above = above;
   }
 
-  /// False when the Jacobian was singular and a ridge had to be added.
+  /// False when the unclipped actuators, with R, do not span the torque space.
   bool factor() noexcept {
-    const Matrix& J = now().J;
-    S top = S(0);
-    for (int r = 0; r < M; ++r) top = std::max(top, J(r, r));
-    if (ldl_.factor(J, rank_tolerance * top)) return true;
-    Matrix ridged = J;
-    for (S ridge = std::max(top, std::numeric_limits<S>::min() * S(1e8)) * std::sqrt(std::numeric_limits<S>::epsilon());;
-         ridge *= S(100)) {
-      for (int r = 0; r < M; ++r) ridged(r, r) = J(r, r) + ridge;
-      if (ldl_.factor(ridged, S(0)) || !std::isfinite(ridge)) return false;
+    cancels_ = !ldl_.factor(now().J, std::sqrt(std::numeric_limits<S>::epsilon()));
+    if (!cancels_) return true;
+    orthogonal_.clear();
+    for (int i = 0; i < n; ++i)
+      if (is_free(i)) orthogonal_.add_row(std::sqrt(compliance[size_t(i)]) * a[size_t(i)]);
+    Matrix L = R;  // Cholesky factor of R, column by column; an empty column where R is singular
+    for (int j = 0; j < M; ++j) {
+      const S root = L(j, j) > S(0) ? std::sqrt(L(j, j)) : S(0);
+      Torque row = Torque::Zero();
+      for (int i = j; i < M; ++i) row[i] = root > S(0) ? L(i, j) / root : S(0);
+      for (int c = j + 1; c < M; ++c)
+        for (int i = c; i < M; ++i) L(i, c) -= row[i] * row[c];
+      orthogonal_.add_row(row);
     }
+    return orthogonal_.factor(rank_tolerance);
   }
+
+  Torque solve_factored(const Torque& v) const noexcept { return cancels_ ? orthogonal_.solve(v) : ldl_.solve(v); }
 
   /// One step along d; true when the full step stayed on one piece, where Newton's model is exact.
   bool advance(const Torque& d) noexcept {
@@ -194,6 +202,8 @@ class DualNewton {
   std::array<Point, 2> points_;
   unsigned current_ = 0;
   Ldl<S, M> ldl_;
+  OrthogonalFactor<S, M, N + M> orthogonal_;
+  bool cancels_ = false;
 };
 
 }  // namespace gyrostat

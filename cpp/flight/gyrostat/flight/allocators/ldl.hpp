@@ -12,12 +12,12 @@ class Ldl {
   using Vector = Eigen::Matrix<S, M, 1>;
   using Matrix = Eigen::Matrix<S, M, M>;
 
-  /// False when a pivot is not above `floor`: the matrix is singular to that size.
-  bool factor(const Matrix& A, S floor) noexcept {
+  /// False when a pivot is not above `smallest` times its diagonal element: so much was lost by cancellation.
+  bool factor(const Matrix& A, S smallest) noexcept {
     for (int j = 0; j < M; ++j) {
       S pivot = A(j, j);
       for (int k = 0; k < j; ++k) pivot -= L_(j, k) * scaled_(j, k);
-      if (!(pivot > floor)) return false;
+      if (!(pivot > smallest * A(j, j))) return false;
       inverse_[j] = S(1) / pivot;
       for (int i = j + 1; i < M; ++i) {
         S sum = A(i, j);
