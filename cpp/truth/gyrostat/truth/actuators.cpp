@@ -159,9 +159,17 @@ void FaultyActuators::enter(double t, double branch) noexcept {
   deliver_constants();
 }
 
+double FaultyActuators::limited_output(int i, double torque) const noexcept {
+  if (actuators_.limit_on == LimitOn::command) return torque;
+  return torque < actuators_.u_lo[i] ? actuators_.u_lo[i] : (torque > actuators_.u_up[i] ? actuators_.u_up[i] : torque);
+}
+
 void FaultyActuators::deliver_constants() noexcept {
   for (int i = 0; i < size(); ++i) {
-    if (constant(i)) constant_delivered_[i] = delivered(i, branch_);  // any time would do
+    const Law& law = law_[static_cast<std::size_t>(i)];
+    if (!law.constant) continue;
+    const double effectiveness = std::abs(u_[i]) < law.dead_zone ? 0.0 : law.effect.effectiveness;
+    constant_delivered_[i] = limited_output(i, effectiveness * u_[i] + law.effect.bias);
   }
 }
 
@@ -193,11 +201,7 @@ double FaultyActuators::unlimited(int i, double t) const noexcept {
   return e.effectiveness * u_[i] + e.bias;
 }
 
-double FaultyActuators::delivered(int i, double t) const noexcept {
-  const double torque = unlimited(i, t);
-  if (actuators_.limit_on == LimitOn::command) return torque;
-  return torque < actuators_.u_lo[i] ? actuators_.u_lo[i] : (torque > actuators_.u_up[i] ? actuators_.u_up[i] : torque);
-}
+double FaultyActuators::delivered(int i, double t) const noexcept { return limited_output(i, unlimited(i, t)); }
 
 int FaultyActuators::limit_side(int i, double t) const noexcept {
   const double torque = unlimited(i, t);

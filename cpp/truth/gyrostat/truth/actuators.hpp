@@ -81,6 +81,7 @@ class FaultyActuators {
   Effect combine(int i, double t) const noexcept;
   void deliver_constants() noexcept;
   double unlimited(int i, double t) const noexcept;
+  double limited_output(int i, double torque) const noexcept;
 
   Actuators actuators_;
   std::vector<Fault> faults_;
