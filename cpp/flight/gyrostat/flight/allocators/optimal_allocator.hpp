@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+/// @file  What the optimal allocators of the catalogue share: the vehicle's limits, masks and estimates become one
+///        allocation problem, its answer an Allocation. Page: docs/allocation.md
+#pragma once
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "gyrostat/core/params.hpp"
+#include "gyrostat/core/power.hpp"
+#include "gyrostat/flight/allocators/allocation_solver.hpp"
+
+namespace gyrostat {
+
+/// What limits an actuator of reduced effectiveness e.
+enum class BoundPolicy : std::uint8_t {
+  physical,  ///< its command, as before: it delivers up to e u_max
+  derated    ///< e u_max on the command, as printed in Yang et al. 2023, eq. (21): it delivers up to e^2 u_max
+};
+
+/// Parameters that all optimal allocators have.
+template <class S>
+struct OptimalAllocatorParams {
+  VecN<S> effort_weight;
+  S uncertainty_weight = S(0);
+  Vec3<S> axis_weight = Vec3<S>::Ones();
+  BoundPolicy bound_policy = BoundPolicy::physical;
+  S bound_cap = S(0.1);
+  S e_min = S(0.01);
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.effort_weight, Field{"effort_weight", "", 1e-6, 1e6, "price of an actuator's squared torque against the others'"});
+    field(p.uncertainty_weight,
+          Field{"uncertainty_weight", "", 0, 1e6, "added to effort_weight, times (effectiveness_bound effectiveness)^2"});
+    field(p.axis_weight, Field{"axis_weight", "", 1e-3, 1e3, "how much a missing torque about each body axis matters"});
+    field(p.bound_policy, Choice{"bound_policy", "physical|derated", "limit of a weakened actuator: u_max, or effectiveness u_max"});
+    field(p.bound_cap, Field{"bound_cap", "", 0, 1, "effectiveness_bound is taken as this where it is larger or unknown"});
+    field(p.e_min, Field{"e_min", "", 1e-3, 1, "weaker actuators are not used"});
+  }
+};
+
+/// Base of the catalogue's optimal allocators. Rate limits go first: where they and the limits have no command in common
+/// (derated limits of an actuator that just failed), the command moves towards its limits as fast as it may.
+template <class S>
+class OptimalAllocator {
+ public:
+  using Scalar = S;
+  using Solver = AllocationSolver<S, 3, max_actuators>;
+
+  /// The previous command is zero again (or the limit nearest to it), the warm start forgotten.
+  void reset() noexcept {
+    state_.reset();
+    u_ = clip<S>(VecN<S>::Zero(vehicle_.actuators()), vehicle_.u_lo, vehicle_.u_up);
+    known_ = false;
+  }
+
+  [[nodiscard]] Allocation<S> step(const Demand<S>& demand, const Estimate<S>& x, const Detection<S>& det) noexcept {
+    use(det.enabled.without(det.failed));
+    pose(demand, x);
+    state_.command = u_;
+    solution_ = solver_.solve(problem_, state_);
+
+    Allocation<S> out;
+    out.u = solution_.command;
+    out.demand_B = demand.tau_B;
+    out.achieved_B = torque<S>(vehicle_.D_B, x.effectiveness.cwiseProduct(out.u));
+    for (int i = 0; i < vehicle_.actuators(); ++i) out.saturated.set(i, usable_.test(i) && (solution_.saturated >> i & 1u) != 0u);
+    out.worst_case = solution_.worst_case;
+    out.gap = has_weight() ? solution_.gap : solution_.residual_excess;
+    out.iterations = solution_.newton;
+    out.status = flags();
+    u_ = out.u;
+    return out;
+  }
+
+ protected:
+  OptimalAllocator(const Setup<S>& setup, const OptimalAllocatorParams<S>& params, AllocationMode mode) noexcept
+      : vehicle_(setup.vehicle), du_max_(setup.vehicle.u_rate * setup.dt), params_(params) {
+    problem_ = Problem::symmetric(vehicle_.actuators(), S(0));
+    problem_.mode = mode;
+    problem_.effectiveness_min = params.e_min;
+    reset();
+  }
+
+  static OptimalAllocatorParams<S> shared_defaults(const Setup<S>& setup) noexcept {
+    OptimalAllocatorParams<S> p;
+    p.effort_weight = VecN<S>::Ones(setup.vehicle.actuators());
+    return p;
+  }
+
+  /// Residual weights have the unit of 1 / D^2: the strongest actuator's torque axis sets it.
+  static S per_squared_axis(const Setup<S>& setup) noexcept {
+    S top = S(0);
+    for (int i = 0; i < setup.vehicle.actuators(); ++i) top = std::max(top, setup.vehicle.D_B.col(i).squaredNorm());
+    return top > S(0) ? S(1) / top : S(1);
+  }
+
+  static Status<S> check_shared(const Setup<S>& setup, const OptimalAllocatorParams<S>& params) noexcept {
+    const int n = setup.vehicle.actuators();
+    const auto given = params.effort_weight.size();
+    return Status<S>::require(n >= 1, "actuators", static_cast<S>(n), S(1), ">=") &&
+           Status<S>::require(given == n, "length of effort_weight", static_cast<S>(given), static_cast<S>(n), "==");
+  }
+
+  const typename Solver::Solution& solution() const noexcept { return solution_; }
+  typename Solver::Problem& problem() noexcept { return problem_; }
+
+ private:
+  using Problem = typename Solver::Problem;
+
+  bool has_weight() const noexcept {
+    return problem_.mode == AllocationMode::weighted_least_squares || problem_.mode == AllocationMode::robust_socp;
+  }
+
+  /// The geometry of the usable actuators; it changes with the masks alone.
+  void use(Mask usable) noexcept {
+    if (known_ && usable == usable_) return;
+    known_ = true;
+    usable_ = usable;
+    Mat3N<S> D = vehicle_.D_B;
+    for (int i = 0; i < vehicle_.actuators(); ++i)
+      if (!usable.test(i)) D.col(i).setZero();
+    solver_.configure(D, params_.axis_weight);
+    state_.valid = false;
+  }
+
+  void pose(const Demand<S>& demand, const Estimate<S>& x) noexcept {
+    problem_.demand = demand.tau_B;
+    for (int i = 0; i < vehicle_.actuators(); ++i) {
+      const bool usable = usable_.test(i);
+      const S e = usable ? std::clamp(x.effectiveness[i], S(0), S(1)) : S(0);
+      const S bound = std::min(x.effectiveness_bound[i], params_.bound_cap), spread = bound * e;
+      problem_.effectiveness[i] = e;
+      problem_.bound[i] = std::max(bound, S(0));
+      problem_.preferred[i] = usable && demand.u_pref.size() != 0 ? demand.u_pref[i] : S(0);
+      problem_.effort_weight[i] = params_.effort_weight[i] + params_.uncertainty_weight * spread * spread;
+      const S share = params_.bound_policy == BoundPolicy::derated && usable ? e : S(1);
+      limit(i, limited(vehicle_.u_lo[i], share), limited(vehicle_.u_up[i], share));
+    }
+    weak_axis_ = rank_lost();
+  }
+
+  static S limited(S limit, S share) noexcept { return std::isfinite(limit) ? limit * share : limit; }
+
+  /// [lo, up] as far as the rate limit reaches it from the previous command.
+  void limit(int i, S lo, S up) noexcept {
+    const S slowest = u_[i] - du_max_[i], fastest = u_[i] + du_max_[i];
+    problem_.lo[i] = std::min(std::max(lo, slowest), fastest);
+    problem_.up[i] = std::max(std::min(up, fastest), slowest);
+  }
+
+  /// An axis of torque whose singular value is below a hundredth of the largest may be nothing but misalignment.
+  bool rank_lost() const noexcept {
+    Mat3<S> gram = Mat3<S>::Zero();
+    for (int i = 0; i < vehicle_.actuators(); ++i) {
+      const S e = problem_.effectiveness[i] < params_.e_min ? S(0) : problem_.effectiveness[i];
+      gram += (e * e) * vehicle_.D_B.col(i) * vehicle_.D_B.col(i).transpose();
+    }
+    const S trace = gram.trace(), least = S(1e-4);
+    if (S(4) * gram.determinant() > least * trace * trace * trace) return false;
+    const Eigen::SelfAdjointEigenSolver<Mat3<S>> eigen(gram, Eigen::EigenvaluesOnly);
+    return !(eigen.eigenvalues()[0] > least * eigen.eigenvalues()[2]);
+  }
+
+  Flags flags() const noexcept {
+    Flags f;
+    if (solution_.status == AllocationStatus::optimal_reduced) f.set(Flag::demand_not_met);
+    if (solution_.status == AllocationStatus::cap_reached) f.set(Flag::cap_reached);
+    if (solution_.status == AllocationStatus::bad_input) f.set(Flag::bad_input);
+    if (weak_axis_) f.set(Flag::rank_lost);
+    return f;
+  }
+
+  Vehicle<S> vehicle_;
+  VecN<S> du_max_;  ///< N m a sample
+  OptimalAllocatorParams<S> params_;
+  Solver solver_;
+  Problem problem_;
+  typename Solver::State state_;
+  typename Solver::Solution solution_;
+  Mask usable_;
+  VecN<S> u_;  ///< issued at the previous sample
+  bool known_ = false, weak_axis_ = false;
+};
+
+}  // namespace gyrostat
