@@ -55,7 +55,8 @@ inline PlantModel wheels(const Integrator& integrator = Cvode{}) {
 }
 
 /// Momentum of wheels at given speeds relative to the body (rad/s).
-inline VecN<double> wheel_momentum(const Mat3N<double>& D_B, const VecN<double>& speed, const Vec3<double>& omega_BN_B) {
+inline VecN<double> wheel_momentum(const Mat3N<double>& D_B, const VecN<double>& speed,
+                                   const Vec3<double>& omega_BN_B) {
   return wheel_inertia * (speed + project(D_B, omega_BN_B));
 }
 inline VecN<double> wheel_speed(const Mat3N<double>& D_B, const VecN<double>& h_w, const Vec3<double>& omega_BN_B) {

@@ -42,9 +42,10 @@ TEST(Actuators, HealthyOnesDeliverTheCommandUpToTheirLimits) {
 }
 
 TEST(Actuators, LossesMultiplyAndBiasesAdd) {
-  const FaultyActuators bank(limited(), {LossOfEffectiveness{.actuator = 0, .t_on = 10, .remaining = 0.5},
-                                         LossOfEffectiveness{.actuator = 0, .t_on = 20, .remaining = 0.2},
-                                         Bias{.actuator = 0, .t_on = 30, .torque = 0.01}, Bias{.actuator = 0, .t_on = 30, .torque = 0.02}});
+  const FaultyActuators bank(
+      limited(), {LossOfEffectiveness{.actuator = 0, .t_on = 10, .remaining = 0.5},
+                  LossOfEffectiveness{.actuator = 0, .t_on = 20, .remaining = 0.2},
+                  Bias{.actuator = 0, .t_on = 30, .torque = 0.01}, Bias{.actuator = 0, .t_on = 30, .torque = 0.02}});
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 9), 0.1);
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 11), 0.05);
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 21), 0.01);
@@ -73,7 +74,8 @@ TEST(Actuators, StuckAndHardOverIgnoreTheCommand) {
 }
 
 TEST(Actuators, LockKeepsWhatWasDeliveredAtItsOnset) {
-  FaultyActuators bank(limited(), {LossOfEffectiveness{.actuator = 0, .remaining = 0.5}, Lock{.actuator = 0, .t_on = 10}});
+  FaultyActuators bank(limited(),
+                       {LossOfEffectiveness{.actuator = 0, .remaining = 0.5}, Lock{.actuator = 0, .t_on = 10}});
   bank.enter(0, 5);
   bank.command(u);
   bank.enter(10, 11);
@@ -95,7 +97,8 @@ TEST(Actuators, DriftGrowsFromItsOnsetAndEnds) {
 
 TEST(Actuators, IntermittentComesAndGoes) {
   const FaultyActuators bank(
-      limited(), {Intermittent{.actuator = 0, .t_on = 10, .period = 4, .duty = 0.25, .remaining = 0.3, .torque = 0.02}});
+      limited(),
+      {Intermittent{.actuator = 0, .t_on = 10, .period = 4, .duty = 0.25, .remaining = 0.3, .torque = 0.02}});
   EXPECT_EQ(delivered(bank, 0, u, 9.9), 0.1);
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 10.5), 0.05);
   EXPECT_EQ(delivered(bank, 0, u, 11.5), 0.1);
@@ -110,7 +113,8 @@ TEST(Actuators, DeadZoneSwallowsSmallCommandsAndPassesLargeOnesWhole) {
 }
 
 TEST(Actuators, LimitOnTheCommandComesBeforeTheFaultsLimitOnTheOutputAfter) {
-  const std::vector<Fault> faults{LossOfEffectiveness{.actuator = 0, .remaining = 0.5}, Bias{.actuator = 0, .torque = 0.2}};
+  const std::vector<Fault> faults{LossOfEffectiveness{.actuator = 0, .remaining = 0.5},
+                                  Bias{.actuator = 0, .torque = 0.2}};
   EXPECT_DOUBLE_EQ(delivered({limited(LimitOn::command), faults}, 0, vec({1, 0, 0, 0}), 1), 0.5 * 0.25 + 0.2);
   EXPECT_DOUBLE_EQ(delivered({limited(LimitOn::output), faults}, 0, vec({1, 0, 0, 0}), 1), 0.25);
   EXPECT_DOUBLE_EQ(delivered({limited(LimitOn::output), faults}, 0, vec({-0.4, 0, 0, 0}), 1), 0.0);

@@ -34,7 +34,8 @@ TEST(Disturbances, Add) {
 }
 
 TEST(Disturbances, WithoutTimeOrStateInThemAreConstant) {
-  Disturbances all({ConstantTorque{{1, 2, 3}}, PeriodicTorque{{1.0, 0.0, StepsWave{{0, 10}, {0, 7}}}}}, test::total_inertia(), 0);
+  Disturbances all({ConstantTorque{{1, 2, 3}}, PeriodicTorque{{1.0, 0.0, StepsWave{{0, 10}, {0, 7}}}}},
+                   test::total_inertia(), 0);
   all.enter(5);
   EXPECT_FALSE(all.varies());
   EXPECT_EQ(all.constant_B(), Vec3<double>(2, 2, 3));
@@ -90,8 +91,10 @@ TEST(Disturbances, GravityGradientVanishesInTheOrbitalFrame) {
 TEST(Disturbances, RefuseWhatIsIncomplete) {
   EXPECT_THROW(torque_at(GravityGradient{}, 1), std::invalid_argument);  // no orbit
   EXPECT_THROW(torque_at(PeriodicTorque{{1.0, 2.0}}, 1), std::invalid_argument);
-  EXPECT_THROW(torque_at(RatePhaseTorque{.axis = {0}, .amplitude = {1}, .multiple = {}, .phase = {0}}, 1), std::invalid_argument);
-  EXPECT_THROW(torque_at(RatePhaseTorque{.axis = {3}, .amplitude = {1}, .multiple = {1}, .phase = {0}}, 1), std::invalid_argument);
+  EXPECT_THROW(torque_at(RatePhaseTorque{.axis = {0}, .amplitude = {1}, .multiple = {}, .phase = {0}}, 1),
+               std::invalid_argument);
+  EXPECT_THROW(torque_at(RatePhaseTorque{.axis = {3}, .amplitude = {1}, .multiple = {1}, .phase = {0}}, 1),
+               std::invalid_argument);
 }
 
 }  // namespace

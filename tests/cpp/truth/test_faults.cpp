@@ -7,7 +7,8 @@ namespace gyrostat::truth {
 namespace {
 
 TEST(Faults, SwitchAtOnsetAtTheirLawsJumpsAndAtTheirEnd) {
-  const Fault fault = LossOfEffectiveness{.actuator = 1, .t_on = 10, .t_off = 200, .remaining = StepsWave{{0, 50, 300}, {1, 2, 3}}};
+  const Fault fault =
+      LossOfEffectiveness{.actuator = 1, .t_on = 10, .t_off = 200, .remaining = StepsWave{{0, 50, 300}, {1, 2, 3}}};
   EXPECT_EQ(next_switch(fault, 0), 10);
   EXPECT_EQ(next_switch(fault, 10), 50);
   EXPECT_EQ(next_switch(fault, 50), 200);  // the law's next jump comes after the end

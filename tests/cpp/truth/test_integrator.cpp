@@ -24,7 +24,8 @@ EndError free_error(const Integrator& integrator, double dt) {
   Plant plant(torquers(integrator), free_start(), dt);
   const auto samples = std::llround(200 / dt);
   for (long k = 0; k < samples; ++k) plant.advance(VecN<double>::Zero(4));
-  return {(small_mrp(plant.q_NB()) - free_sigma).cwiseAbs().maxCoeff(), (plant.omega_BN_B() - free_omega).cwiseAbs().maxCoeff(), 0};
+  return {(small_mrp(plant.q_NB()) - free_sigma).cwiseAbs().maxCoeff(),
+          (plant.omega_BN_B() - free_omega).cwiseAbs().maxCoeff(), 0};
 }
 
 void expect_below(const EndError& e, double mrp_and_rate, double speed) {

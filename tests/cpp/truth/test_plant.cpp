@@ -39,7 +39,8 @@ TEST(Plant, AFaultBetweenTwoSamplesActsFromItsTimeToItsTime) {
     PlantModel m = one_axis(integrator);
     m.faults = {Bias{.actuator = 0, .t_on = 10.0037, .t_off = 11.0059, .torque = 0.2}};
     const Plant plant = run(m, {}, vec({0}), 12);
-    EXPECT_NEAR(plant.omega_BN_B()[0], 0.2 * (11.0059 - 10.0037) / 10, 1e-14);  // impulse / inertia, rounding of times of 10 s
+    EXPECT_NEAR(plant.omega_BN_B()[0], 0.2 * (11.0059 - 10.0037) / 10,
+                1e-14);  // impulse / inertia, rounding of times of 10 s
     EXPECT_NEAR(mrp(plant.q_NB())[0], std::tan(0.25 * 0.02 * 1.0022 * (12 - 0.5 * (10.0037 + 11.0059))), 1e-11);
   }
 }
@@ -65,7 +66,8 @@ PlantModel busy(const Integrator& integrator, double D) {
               Intermittent{.actuator = 0, .t_on = 1.2345, .period = 0.777, .duty = 0.4, .torque = 0.01},
               Drift{.actuator = 1, .t_on = 2.0003, .rate = 1e-3},
               Lock{.actuator = 3, .t_on = 7.0071, .t_off = 12.3},
-              LossOfEffectiveness{.actuator = 3, .t_on = 3.003, .remaining = SquareWave{.low = 0.2, .high = 0.9, .period = 1.1}}};
+              LossOfEffectiveness{
+                  .actuator = 3, .t_on = 3.003, .remaining = SquareWave{.low = 0.2, .high = 0.9, .period = 1.1}}};
   m.disturbances = {PeriodicTorque{{SquareWave{.low = -D, .high = D, .period = 3.33}, SineWave{0, D, 0.7, 0}, D}}};
   return m;
 }
@@ -82,7 +84,8 @@ TEST(Plant, SamplingFinerChangesNothingUnderConstantCommands) {
   const Plant coarse = run(busy(both[0], 2e-3), driven_start(), driven_command(true), 20, 1.0);
   const Plant fine = run(busy(both[0], 2e-3), driven_start(), driven_command(true), 20, 0.005);
   EXPECT_LE((coarse.omega_BN_B() - fine.omega_BN_B()).norm(), 1e-10);
-  EXPECT_LE((coarse.h_w() - fine.h_w()).norm(), 1e-10);  // kinks at the output limit are found to 1e-12 s, laws fitted to 4e-9
+  EXPECT_LE((coarse.h_w() - fine.h_w()).norm(),
+            1e-10);  // kinks at the output limit are found to 1e-12 s, laws fitted to 4e-9
 }
 
 TEST(Plant, SwitchesWithinANanosecondOfASampleAreMovedOntoIt) {
@@ -99,7 +102,8 @@ TEST(Plant, SwitchesWithinANanosecondOfASampleAreMovedOntoIt) {
 
 TEST(Plant, SamplesShowTheIntervalThatJustEnded) {
   PlantModel m = one_axis(Rk4{});
-  m.faults = {LossOfEffectiveness{.actuator = 0, .t_on = 0.5, .remaining = 0.25}, Bias{.actuator = 0, .t_on = 0.5, .torque = 0.03}};
+  m.faults = {LossOfEffectiveness{.actuator = 0, .t_on = 0.5, .remaining = 0.25},
+              Bias{.actuator = 0, .t_on = 0.5, .torque = 0.03}};
   m.disturbances = {PeriodicTorque{{StepsWave{{0, 0.5}, {0, 1}}, 0.0, 0.0}}};
   Plant plant(m, {}, 0.01);
   EXPECT_EQ(plant.sample().delivered[0], 0);
@@ -199,7 +203,8 @@ TEST(Plant, WithFrictionAFullWheelHoldsItsLimitButForOneSampleOfFriction) {
     m.actuators.momentum_max[0] = 0.5;
     m.actuators.viscous_friction[0] = 1e-3;
     const Plant plant = run(m, {}, vec({0.3}), 10);
-    EXPECT_LE(std::abs(plant.h_w()[0]), 0.5 + 1e-8);  // friction is taken as constant over a sample: 1e-3 (0.3/0.05) dt^2 / 2 at most
+    EXPECT_LE(std::abs(plant.h_w()[0]),
+              0.5 + 1e-8);  // friction is taken as constant over a sample: 1e-3 (0.3/0.05) dt^2 / 2 at most
     EXPECT_GE(std::abs(plant.h_w()[0]), 0.5 - 1e-3 * 10 * 0.01 * 1.1);
   }
 }
@@ -284,7 +289,8 @@ TEST(Plant, RefusesWhatDoesNotFit) {
   EXPECT_THROW(Plant(one_axis(Rk4{}), {}, 0), std::invalid_argument);
   EXPECT_THROW(Plant(one_axis(Rk4{.substeps = 0}), {}, 0.01), std::invalid_argument);
   EXPECT_THROW(Plant(one_axis(Rk4{}), {.h_w = vec({1})}, 0.01), std::invalid_argument);  // a torquer stores nothing
-  EXPECT_THROW(Plant(one_axis(Rk4{}), {Quat<double>(0, 0, 0, 0), Vec3<double>::Zero(), {}}, 0.01), std::invalid_argument);
+  EXPECT_THROW(Plant(one_axis(Rk4{}), {Quat<double>(0, 0, 0, 0), Vec3<double>::Zero(), {}}, 0.01),
+               std::invalid_argument);
   Plant plant(one_axis(Rk4{}), {}, 0.01);
   EXPECT_THROW(plant.advance(vec({1, 2})), std::invalid_argument);
 }

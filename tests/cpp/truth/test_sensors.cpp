@@ -94,10 +94,12 @@ TEST(Sensors, AttitudeNoiseIsARotationWithItsSigmaAnAxis) {
 TEST(Sensors, AreTheSameWhoeverElseDraws) {
   Sensors alone({Gyro{.noise = 1e-4}}, 7, 3), with_attitude({Gyro{.noise = 1e-4}, AttitudeSensor{.noise = 1e-3}}, 7, 3);
   for (Tick k = 0; k < 10; ++k) {
-    EXPECT_EQ(alone.measure(k, q_0, omega_0, no_wheels).omega_BN_B, with_attitude.measure(k, q_0, omega_0, no_wheels).omega_BN_B);
+    EXPECT_EQ(alone.measure(k, q_0, omega_0, no_wheels).omega_BN_B,
+              with_attitude.measure(k, q_0, omega_0, no_wheels).omega_BN_B);
   }
   Sensors later({Gyro{.noise = 1e-4}}, 7, 3);
-  EXPECT_EQ(alone.measure(42, q_0, omega_0, no_wheels).omega_BN_B, later.measure(42, q_0, omega_0, no_wheels).omega_BN_B);
+  EXPECT_EQ(alone.measure(42, q_0, omega_0, no_wheels).omega_BN_B,
+            later.measure(42, q_0, omega_0, no_wheels).omega_BN_B);
 }
 
 TEST(Sensors, DelayShowsOldValuesAndTheFirstUntilItHasFilled) {

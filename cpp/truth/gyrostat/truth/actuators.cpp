@@ -15,7 +15,8 @@ constexpr double never = -infinity;  // a branch time before every onset
 
 std::string check_length(const char* what, const VecN<double>& v, int n) {
   if (v.size() == n) return {};
-  return std::string("actuators: ") + what + " has " + std::to_string(v.size()) + " elements, need " + std::to_string(n);
+  return std::string("actuators: ") + what + " has " + std::to_string(v.size()) + " elements, need " +
+         std::to_string(n);
 }
 
 std::string check_sign(const char* what, const VecN<double>& v) {
@@ -91,15 +92,17 @@ std::string Actuators::check() const {
         check_length("momentum_max", momentum_max, n)}) {
     if (!error.empty()) return error;
   }
-  for (const std::string& error : {check_sign("wheel_inertia", wheel_inertia), check_sign("viscous_friction", viscous_friction),
-                                   check_sign("coulomb_friction", coulomb_friction), check_sign("momentum_max", momentum_max)}) {
+  for (const std::string& error :
+       {check_sign("wheel_inertia", wheel_inertia), check_sign("viscous_friction", viscous_friction),
+        check_sign("coulomb_friction", coulomb_friction), check_sign("momentum_max", momentum_max)}) {
     if (!error.empty()) return error;
   }
   if (!(coulomb_width > 0)) return "actuators: coulomb_width must be positive";
   for (int i = 0; i < n; ++i) {
     const std::string who = "actuator " + std::to_string(i) + ": ";
     if (!(u_lo[i] <= u_up[i])) return who + "u_min must not exceed u_max";
-    if (!is_wheel(i) && (viscous_friction[i] > 0 || coulomb_friction[i] > 0)) return who + "friction needs a wheel_inertia";
+    if (!is_wheel(i) && (viscous_friction[i] > 0 || coulomb_friction[i] > 0))
+      return who + "friction needs a wheel_inertia";
     if (!is_wheel(i) && std::isfinite(momentum_max[i])) return who + "momentum_max needs a wheel_inertia";
   }
   return {};

@@ -32,7 +32,9 @@ class Body {
     double inertia, viscous, coulomb, coulomb_width;
 
     /// N m on the body along the axis, at a wheel speed relative to the body (rad/s).
-    double friction(double speed) const noexcept { return viscous * speed + coulomb * std::tanh(speed / coulomb_width); }
+    double friction(double speed) const noexcept {
+      return viscous * speed + coulomb * std::tanh(speed / coulomb_width);
+    }
   };
   enum class Kind : std::uint8_t { torquers, wheels, mixed };
 

@@ -63,8 +63,8 @@ bool active(const Fault& fault, double branch) noexcept { return onset(fault) <=
 std::string check(const Fault& fault, int n) {
   const std::string who = "fault " + std::string(name_of(fault)) + ": ";
   if (actuator_of(fault) < 0 || actuator_of(fault) >= n) {
-    return who + "actuator " + std::to_string(actuator_of(fault)) + " does not exist, the vehicle has " + std::to_string(n) +
-           " (counted from 0)";
+    return who + "actuator " + std::to_string(actuator_of(fault)) + " does not exist, the vehicle has " +
+           std::to_string(n) + " (counted from 0)";
   }
   if (!(onset(fault) < end(fault))) return who + "t_on must be before t_off";
   const std::string law = std::visit([](const auto& f) { return check_law(f); }, fault);
@@ -77,7 +77,8 @@ std::string contradiction(const std::vector<Fault>& faults) {
       const Fault &a = faults[i], &b = faults[j];
       const bool overlap = onset(a) < end(b) && onset(b) < end(a);
       if (actuator_of(a) == actuator_of(b) && decides_output(a) && decides_output(b) && overlap) {
-        return "faults of actuator " + std::to_string(actuator_of(a)) + " contradict: " + in_words(a) + " and " + in_words(b);
+        return "faults of actuator " + std::to_string(actuator_of(a)) + " contradict: " + in_words(a) + " and " +
+               in_words(b);
       }
     }
   }

@@ -34,7 +34,8 @@ struct LossOfEffectiveness {
 
   static constexpr void describe(auto& p, auto&& field) {
     detail::describe_window(p, field);
-    field(p.remaining, Field{"remaining", "", -infinity, infinity, "delivered / commanded; 1 is healthy, 0 delivers no command"});
+    field(p.remaining,
+          Field{"remaining", "", -infinity, infinity, "delivered / commanded; 1 is healthy, 0 delivers no command"});
   }
 };
 

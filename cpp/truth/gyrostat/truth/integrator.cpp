@@ -54,7 +54,8 @@ static int gyrostat_cvode_rhs(realtype t, N_Vector y, N_Vector ydot, void* user)
 }
 
 IntegrationError::IntegrationError(double time_in, int flag_in)
-    : std::runtime_error("CVODE stopped at t = " + std::to_string(time_in) + " s (flag " + std::to_string(flag_in) + ")"),
+    : std::runtime_error("CVODE stopped at t = " + std::to_string(time_in) + " s (flag " + std::to_string(flag_in) +
+                         ")"),
       time(time_in),
       flag(flag_in) {}
 

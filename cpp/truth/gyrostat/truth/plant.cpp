@@ -250,8 +250,8 @@ void Plant::set_exchange(double t1) noexcept {
   if (mixed) reset(exchange_.torquers_B, zero);
   for (int i = 0; i < actuators_.size(); ++i) {
     const Cubic& c = delivered_[static_cast<std::size_t>(i)];
-    const std::array<double, 5> held{stored_[i] + stored_rest_[i], -length * c[0], -length * c[1] / 2, -length * c[2] / 3,
-                               -length * c[3] / 4};
+    const std::array<double, 5> held{stored_[i] + stored_rest_[i], -length * c[0], -length * c[1] / 2,
+                                     -length * c[2] / 3, -length * c[3] / 4};
     const Vec3<double> g = body_.D_B.col(i);
     const bool torquer = mixed && !actuators_.actuators().is_wheel(i);
     for (std::size_t k = 0; k < powers; ++k) {
@@ -312,7 +312,9 @@ void Plant::integrate_as(double t1) {
     return;
   }
   constexpr int capacity = friction ? Body::rigid_states + max_actuators : Body::rigid_states;
-  const auto rhs = [&m](double t, const double* y, double* ydot) noexcept { derivative<friction, varying>(m, t, y, ydot); };
+  const auto rhs = [&m](double t, const double* y, double* ydot) noexcept {
+    derivative<friction, varying>(m, t, y, ydot);
+  };
   const double steps = std::max(1.0, std::ceil((t1 - t_) / dt_ * rk4_substeps_ - 1e-6));
   const double h = (t1 - t_) / steps;
   for (double k = 0; k < steps; ++k) {

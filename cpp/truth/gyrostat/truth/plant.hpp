@@ -24,8 +24,8 @@ struct PlantModel {
 };
 
 struct InitialState {
-  Quat<double> q_NB = Quat<double>::Identity();        ///< normalised on entry
-  Vec3<double> omega_BN_B = Vec3<double>::Zero();      ///< rad/s
+  Quat<double> q_NB = Quat<double>::Identity();    ///< normalised on entry
+  Vec3<double> omega_BN_B = Vec3<double>::Zero();  ///< rad/s
   VecN<double> h_w;  ///< N m s, Js (Omega_i + g_i . w), zero for torquers; empty: all zero
 };
 

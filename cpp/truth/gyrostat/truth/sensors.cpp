@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gyrostat/truth/sensors.hpp"
 
-#include <Random123/boxmuller.hpp>
 #include <Random123/philox.h>
+#include <Random123/boxmuller.hpp>
 
 #include <cmath>
 #include <stdexcept>

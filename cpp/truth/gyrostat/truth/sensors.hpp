@@ -36,7 +36,8 @@ struct AttitudeSensor {
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.noise, Field{"noise", "rad", 0, 1, "white, one sigma a sample and axis of the error rotation"});
-    field(p.quantisation, Field{"quantisation", "rad", 0, 1, "step of the angle near zero rotation (quaternion elements: half of it); 0: none"});
+    field(p.quantisation, Field{"quantisation", "rad", 0, 1,
+                                "step of the angle near zero rotation (quaternion elements: half of it); 0: none"});
     field(p.delay, Field{"delay", "samples", 0, 1000, "age of what is measured"});
   }
 };
@@ -54,7 +55,8 @@ class Sensors {
   Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler = false);
 
   /// To be called once a sample, in order: delays count calls. Until a delay has filled, the first values are given.
-  Measurement<double> measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B, const VecN<double>& h_w);
+  Measurement<double> measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
+                              const VecN<double>& h_w);
 
  private:
   /// The last `delay` + 1 values.

@@ -27,7 +27,8 @@ double first_after(const std::vector<double>& times, double t) noexcept {
 std::string check_points(const std::vector<double>& times, const std::vector<double>& values) {
   if (times.empty()) return "times is empty";
   if (times.size() != values.size()) {
-    return "times and values differ in length (" + std::to_string(times.size()) + ", " + std::to_string(values.size()) + ")";
+    return "times and values differ in length (" + std::to_string(times.size()) + ", " + std::to_string(values.size()) +
+           ")";
   }
   for (std::size_t i = 1; i < times.size(); ++i) {
     if (!(times[i] > times[i - 1])) return "times must increase, but times[" + std::to_string(i) + "] does not";
@@ -36,7 +37,9 @@ std::string check_points(const std::vector<double>& times, const std::vector<dou
 }
 
 double value(const ConstantWave& w, double, double) noexcept { return w.value; }
-double value(const SineWave& w, double t, double) noexcept { return w.offset + w.amplitude * std::sin(w.omega * t + w.phase); }
+double value(const SineWave& w, double t, double) noexcept {
+  return w.offset + w.amplitude * std::sin(w.omega * t + w.phase);
+}
 double value(const SquareWave& w, double, double branch) noexcept { return w.is_high(branch) ? w.high : w.low; }
 double value(const StepsWave& w, double, double branch) noexcept {
   const std::size_t i = passed(w.times, branch);
