@@ -17,7 +17,7 @@ inline constexpr double infinite = std::numeric_limits<double>::infinity();
 struct VehicleBlock {
   static constexpr const char* name = "vehicle";
   Mat3<double> J_B = Mat3<double>::Constant(detail::none);
-  Mat3N<double> D_B{3, 0};
+  Mat3N<double> D_B = Mat3N<double>::Constant(3, 1, detail::none);
   VecN<double> u_max, u_min, u_rate, wheel_inertia;
   Mask spare;
   double orbit_rate = 0;

@@ -104,9 +104,10 @@ constexpr const char* kind_of() {
 /// A number or matrix without a default must be given; an absent vector means "not this one".
 template <class M>
 bool must_be_given(const M& member) {
-  if constexpr (std::is_same_v<M, double> || std::is_same_v<M, int> || std::is_same_v<M, Mat3<double>> ||
-                std::is_same_v<M, Mat3N<double>>) {
+  if constexpr (std::is_same_v<M, double> || std::is_same_v<M, int> || std::is_same_v<M, Mat3<double>>) {
     return write(member).is_none();
+  } else if constexpr (std::is_same_v<M, Mat3N<double>>) {
+    return member.hasNaN();  // without columns: "not this one"
   } else {
     return false;
   }
