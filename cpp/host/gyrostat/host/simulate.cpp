@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrostat/host/simulate.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 
@@ -182,6 +183,13 @@ RunOptions with_record_block(RunOptions options, const Table& record) {
   return options;
 }
 
+/// Euler angles cost more than the rest of the measurement: filled for Euler laws, or when somebody records them.
+bool wants_euler(const Assembly& a, const RunOptions& options) {
+  if (a.setup.vehicle.coordinates == Coordinates::euler_angles) return true;
+  return std::any_of(options.channels.begin(), options.channels.end(),
+                     [](const std::string& name) { return name.starts_with("measurement."); });
+}
+
 Table resolved(const std::vector<ParamInfo>& params, const Table& given, const std::string& type = "") {
   Table out;
   if (!type.empty()) out.set("type", type);
@@ -232,7 +240,7 @@ RunResult simulate(const Table& scenario, const ExternalComponents& external, co
   const Assembly a = assemble(scenario);
   const RunOptions options = with_record_block(given, a.record);
   truth::Plant plant(a.plant, a.initial, a.setup.dt);
-  truth::Sensors sensors(a.sensors, a.setup.dt, a.run.seed, 0);
+  truth::Sensors sensors(a.sensors, a.run.seed, 0, wants_euler(a, options));
   ReferencePath reference(a.reference, a.setup.dt);
   Parts parts(a, external);
   std::optional<Recorder> recorder;
