@@ -144,9 +144,9 @@ TEST(IntegralSlidingMode, IdentitySurfaceGivesARate) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(scaled[i], a[static_cast<std::size_t>(i)], 1e-16);
 }
 
-TEST(IntegralSlidingMode, ZeroLayerSwitchesTheWholeGain) {
+TEST(IntegralSlidingMode, PrintedSignSwitchesTheWholeGainWhichStillFallsInsideEps) {
   auto p = li2018::controller<double>();
-  p.eps = 0;
+  p.switching = Law::Switching::sign;
   p.K3.setZero();
   p.K4.setZero();
   const auto setup = li2018::setup(infinity, 0.001);
@@ -157,8 +157,9 @@ TEST(IntegralSlidingMode, ZeroLayerSwitchesTheWholeGain) {
   EXPECT_EQ(at_zero.tau_B.norm(), 0);  // sgn(0) = 0
   y.omega_BN_B = {1e-12, -1e-12, 0};
   const Demand<double> demand = law.step(Estimate<double>::healthy(y), {}, {}, Allocation<double>::idle(4));
-  EXPECT_NEAR(demand.tau_B[0], -0.15, 1e-9);
-  EXPECT_NEAR(demand.tau_B[1], 0.15, 1e-9);
+  const double gain = 0.15 - setup.dt * p.zeta1;  // one step at s = 0: kappa = 0, sgn(|s| - eps) = -1
+  EXPECT_NEAR(demand.tau_B[0], -gain, 1e-9);
+  EXPECT_NEAR(demand.tau_B[1], gain, 1e-9);
 }
 
 TEST(IntegralSlidingMode, RestartForgetsTheIntegral) {
@@ -184,7 +185,7 @@ TEST(IntegralSlidingModeCheck, RefusesALayerTooSteepForTheSample) {
   p.eps = 1e-4;  // (7.2 + 0.1 / 1e-4) * 0.01 = 10
   EXPECT_EQ(Law::check(setup, p).code, Status<double>::Code::unstable);
   EXPECT_NEAR(Law::check(setup, p).value, 10.072, 1e-9);
-  p.eps = 0;  // the printed sign: no slope to check
+  p.switching = Law::Switching::sign;  // as printed: no slope to check
   EXPECT_TRUE(Law::check(setup, p).ok());
 }
 

@@ -126,14 +126,14 @@ TEST(NominalLaw, FollowsAnAcceleratingReference) {
       },
       nullptr, &ref);
   // The hold delays the feed-forward by half a period: 0.005 s of 5e-4 rad/s^3 * 20 kg m^2 = 5e-5 N m against a stiffness of
-  // 1.2 N m per MRP. Without feed-forward the error would be 0.1 N m / 1.2 N m.
+  // 1.6 N m per MRP. Without feed-forward the error would be 0.1 N m / 1.6 N m.
   EXPECT_LT(rotation_angle<double>(ref.q_NR.conjugate() * body.q_NB), 1e-3);
 }
 
-TEST(NominalLaw, DefaultsAskForTheAuthorityAtSixtyDegrees) {
+TEST(NominalLaw, DefaultsAskForTheAuthorityAtFortyFiveDegrees) {
   const auto setup = ftc_4rw<double>();
   FiniteTime<double> law(setup, default_params<FiniteTime<double>>(setup));
-  const Quat<double> q = quat_exp<double>({0, 0, 3.14159265358979323846 / 3});
+  const Quat<double> q = quat_exp<double>({0, 0, 3.14159265358979323846 / 4});
   EXPECT_NEAR(ask(law, q, Vec3<double>::Zero()).tau_B.norm(), torque_authority(setup.vehicle), 1e-12);
 }
 

@@ -43,17 +43,20 @@ struct Stiffness {
   S frequency;  ///< rad/s, natural frequency sqrt(k_sigma / (4 J)) about the axis of largest inertia
 };
 
-/// Rule: an error of 60 deg (sigma = tan 15 deg) asks for the usable torque, and the damping is critical about the axis
-/// of largest inertia, k_omega = sqrt(k_sigma J), since sigma is a quarter of a small angle. The natural frequency stays
-/// below 0.05 / dt.
+/// MRP of the attitude error, 45 deg, at which default laws ask for the usable torque.
+template <class S>
+inline constexpr S default_full_error = S(0.198912367379658007);  // tan(45 deg / 4)
+
+/// Rule: at an error of 45 deg the law asks for the usable torque, and the damping is 0.8 of critical about the axis of
+/// largest inertia J, k_omega = 0.8 sqrt(k_sigma J), since sigma is a quarter of a small angle. The natural frequency
+/// stays below 0.05 / dt. With one of four wheels at 40 % this leaves margin for the offset of a constant disturbance.
 template <class S>
 Stiffness<S> default_stiffness(const Setup<S>& setup) noexcept {
-  const S sigma_60deg = S(0.267949192431122706);
   const S J = largest_inertia(setup.vehicle.J_B);
-  const S wanted = std::sqrt(usable_torque(setup.vehicle) / (S(4) * J * sigma_60deg));
+  const S wanted = std::sqrt(usable_torque(setup.vehicle) / (S(4) * J * default_full_error<S>));
   const S frequency = std::min(wanted, S(0.05) / setup.dt);
   const S k_sigma = S(4) * J * frequency * frequency;
-  return {k_sigma, std::sqrt(k_sigma * J), frequency};
+  return {k_sigma, S(0.8) * std::sqrt(k_sigma * J), frequency};
 }
 
 }  // namespace gyrostat

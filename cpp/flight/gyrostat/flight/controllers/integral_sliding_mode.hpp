@@ -29,6 +29,7 @@ class IntegralSlidingMode {
   static constexpr bool regulates = true;
 
   enum class Surface : std::uint8_t { inertia, identity };
+  enum class Switching : std::uint8_t { layer, sign };
 
   struct Params {
     typename NominalLaw<S>::Params nominal;
@@ -42,6 +43,10 @@ class IntegralSlidingMode {
     S eps = S(0.01);
     S s_lim = S(0.05);
     Surface surface = Surface::inertia;
+    Switching switching = Switching::layer;
+
+    /// Of the layer that is flown.
+    constexpr S width() const noexcept { return switching == Switching::sign ? S(0) : eps; }
 
     static constexpr void describe(auto& p, auto&& field) {
       constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -53,10 +58,11 @@ class IntegralSlidingMode {
       field(p.zeta2, Field{"zeta2", "1/s^2", 0, 1e9, "rate of the switching gain below mu"});
       field(p.mu, Field{"mu", "N m", 0, 1e9, "floor of the switching gain"});
       field(p.gain_0, Field{"gain_0", "N m", 0, 1e9, "switching gain at start"});
-      field(p.eps, Field{"eps", "N m s (surface inertia)", 0, 1e9, "boundary layer; 0: sign(s) as printed"});
+      field(p.eps, Field{"eps", "N m s (surface inertia)", 0, 1e9, "boundary layer, and where the gain turns round"});
       field(p.s_lim, Field{"s_lim", "N m s", 0, infinite,
                            "anti-windup: largest momentum error J P^-1 s; infinite: printed integral"});
       field(p.surface, Choice{"surface", "inertia|identity", "P of the sliding surface: J (s in N m s) or I (rad/s)"});
+      field(p.switching, Choice{"switching", "layer|sign", "sat(s / eps), or sign(s) as printed"});
     }
 
     /// With a = usable torque and the rate r = min(0.05 / dt, 50 natural frequencies) of the linear part: all of a is spent at
@@ -82,7 +88,7 @@ class IntegralSlidingMode {
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
     const S J = smallest_inertia(setup.vehicle.J_B);
     const S per_momentum = p.surface == Surface::inertia ? S(1) : S(1) / J;
-    const S slope = p.K3.maxCoeff() + (p.eps > S(0) ? p.mu / p.eps : S(0));
+    const S slope = p.K3.maxCoeff() + (p.width() > S(0) ? p.mu / p.width() : S(0));
     return needs_body_coordinates(setup) && NominalLaw<S>::check(setup, p.nominal) &&
            Status<S>::require(slope * per_momentum * setup.dt < S(2), "(K3 + mu / eps) * dt",
                               slope * per_momentum * setup.dt, S(2), "<", Status<S>::Code::unstable);
@@ -139,7 +145,7 @@ class IntegralSlidingMode {
     u_nominal_ = nominal_(track(vehicle_, x, ref));
     gain_used_ = gain_;
     Demand<S> out;
-    out.tau_B = u_nominal_ - x.d_B - gain_.cwiseProduct(layer(s_, params_.eps)) - params_.K3.cwiseProduct(s_) -
+    out.tau_B = u_nominal_ - x.d_B - gain_.cwiseProduct(layer(s_, params_.width())) - params_.K3.cwiseProduct(s_) -
                 params_.K4.cwiseProduct(sig(s_, params_.gamma));
     for (int i = 0; i < 3; ++i) gain_[i] += dt_ * gain_rate(std::abs(s_[i]), gain_[i]);
     return out;

@@ -27,9 +27,8 @@ class MrpFeedback {
     bool compensate = false;
 
     static constexpr void describe(auto& p, auto&& field) {
-      field(p.K, Field{"K", "N m", 1e-9, 1e9, "torque per MRP; default: the torque authority at an error of 60 deg"});
-      field(p.P,
-            Field{"P", "N m s", 1e-9, 1e9, "torque per rate; default: critical damping about the largest inertia"});
+      field(p.K, Field{"K", "N m", 1e-9, 1e9, "torque per MRP"});
+      field(p.P, Field{"P", "N m s", 1e-9, 1e9, "torque per rate"});
       field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
     }
     static Params defaults(const Setup<S>& setup) noexcept {

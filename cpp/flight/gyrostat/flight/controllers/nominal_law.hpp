@@ -28,10 +28,10 @@ class NominalLaw {
       field(p.beta1, Field{"beta1", "", 0.01, 1, "power of the attitude error"});
     }
 
-    /// The torques of the default stiffness, at an error of 60 deg and at a rate of one natural frequency.
+    /// The torques of the default stiffness, at an error of 45 deg and at a rate of one natural frequency.
     static Params defaults(const Setup<S>& setup) noexcept {
       const Stiffness<S> k = default_stiffness(setup);
-      const S sigma = S(0.267949192431122706);  // tan(60 deg / 4)
+      const S sigma = default_full_error<S>;
       Params p;
       p.k1 = k.k_sigma * sigma / (S(0.25) * (S(1) + sigma * sigma) * std::pow(sigma, p.beta1));
       p.k2 = k.k_omega * std::pow(k.frequency, S(1) - rate_power(p.beta1));
