@@ -28,7 +28,7 @@ constexpr void describe_window(auto& p, auto&& field) {
 /// The command is delivered in part: effectiveness = remaining(t). Several multiply.
 struct LossOfEffectiveness {
   static constexpr const char* name = "loss_of_effectiveness";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
   Waveform remaining = 0.5;
 
@@ -42,7 +42,7 @@ struct LossOfEffectiveness {
 /// A torque is added to what is delivered. Several add.
 struct Bias {
   static constexpr const char* name = "bias";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
   Waveform torque = 0.0;
 
@@ -55,7 +55,7 @@ struct Bias {
 /// Delivers a constant torque whatever is commanded.
 struct StuckOutput {
   static constexpr const char* name = "stuck";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
   double torque = 0;
 
@@ -68,7 +68,7 @@ struct StuckOutput {
 /// Delivers its limit whatever is commanded; the actuator needs a finite one.
 struct HardOver {
   static constexpr const char* name = "hard_over";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
   double sign = 1;
 
@@ -81,7 +81,7 @@ struct HardOver {
 /// Floats: delivers nothing at all, biases included. A dead wheel keeps its momentum (but for friction).
 struct Dead {
   static constexpr const char* name = "dead";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
 
   static constexpr void describe(auto& p, auto&& field) { detail::describe_window(p, field); }
@@ -91,7 +91,7 @@ struct Dead {
 /// that is locked: a wheel with a locked torque goes on changing its speed. A wheel that seizes is not this.
 struct Lock {
   static constexpr const char* name = "lock";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
 
   static constexpr void describe(auto& p, auto&& field) { detail::describe_window(p, field); }
@@ -100,7 +100,7 @@ struct Lock {
 /// A bias that starts at zero and grows: rate (t - t_on).
 struct Drift {
   static constexpr const char* name = "drift";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
   double rate = 0;
 
@@ -113,7 +113,7 @@ struct Drift {
 /// Comes and goes: from t_on, the first `duty` of each period is faulty, the rest healthy.
 struct Intermittent {
   static constexpr const char* name = "intermittent";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
   double period = 1, duty = 0.5, remaining = 0, torque = 0;
 
@@ -131,7 +131,7 @@ struct Intermittent {
 /// Commands smaller than a width give nothing; larger ones are delivered whole (a threshold, not an offset).
 struct DeadZone {
   static constexpr const char* name = "dead_zone";
-  int actuator = 0;
+  int actuator = -1;  ///< must be given
   double t_on = 0, t_off = infinity;
   double width = 0;
 
