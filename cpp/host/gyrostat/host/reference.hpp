@@ -49,8 +49,8 @@ struct Slew {
   double start = 0, duration = std::numeric_limits<double>::quiet_NaN();
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.from, Field{"from", "rad", -unbounded, unbounded, "roll, pitch, yaw before"});
-    field(p.to, Field{"to", "rad", -unbounded, unbounded, "roll, pitch, yaw after"});
+    field(p.from, Field{"from_euler", "rad", -unbounded, unbounded, "roll, pitch, yaw before"});
+    field(p.to, Field{"to_euler", "rad", -unbounded, unbounded, "roll, pitch, yaw after"});
     field(p.start, Field{"start", "s", 0, unbounded, "when it begins"});
     field(p.duration, Field{"duration", "s", 1e-9, unbounded, "how long it takes"});
   }
