@@ -19,6 +19,9 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
         title = "Table 1 at 10 ms"
         scenario = "table1"                  # another case of the same scenario, with values changed
         set = { dt = 0.01, "controller.k1" = 4.9 }
+        [cases.table1_10ms_cvode]
+        like = "table1_10ms"                 # an earlier case with its changes, and more of them
+        set = { integrator = "cvode" }
 
         [[claims]]
         id = "t1.settling_1e-3"
@@ -88,6 +91,7 @@ class CaseEntry(Model):
 
     title: str = ""
     scenario: str | None = None
+    like: str | None = None
     set: Annotated[dict[str, Any], Field(default_factory=dict)]
 
 
@@ -201,8 +205,9 @@ class Paper:
     figures: tuple[PaperFigure, ...]
 
     def needed_later(self) -> set[str]:
-        """Cases whose results figures or claims about other cases ask for."""
-        return {c for f in self.figures for c in f.cases} | {o for c in self.claims for o in c.measure.others}
+        """Cases whose results figures or claims about two cases ask for."""
+        compared = [c for c in self.claims if c.measure.others]
+        return {c for f in self.figures for c in f.cases} | {o for c in compared for o in (c.case, *c.measure.others)}
 
 
 @dataclass(frozen=True)
@@ -252,8 +257,10 @@ def load(name: str) -> Paper:
     with input_errors(str(source)):
         entries = ClaimsFile(**tables)
         modules = _Extensions(folder)
-        cases = {key: _case(folder, key, entry, entries.record) for key, entry in entries.cases.items()}
-        claims = tuple(c for entry in entries.claims for c in _claims(entry, cases, modules))
+        cases: dict[str, Case] = {}
+        for key, entry in entries.cases.items():
+            cases[key] = _case(folder, key, entry, entries.record, cases)
+        claims = tuple(c for claim in entries.claims for c in _claims(claim, cases, modules))
         repeated = {c.id for c in claims if sum(c.id == other.id for other in claims) > 1}
         if repeated:
             raise InputError(f"claim '{min(repeated)}' stands twice")
@@ -348,12 +355,18 @@ class _Extensions:
         return getattr(loaded, name, default)
 
 
-def _case(folder: Path, key: str, entry: CaseEntry, record: Sequence[str] | None) -> Case:
+def _case(folder: Path, key: str, entry: CaseEntry, record: Sequence[str] | None, earlier: Mapping[str, Case]) -> Case:
     with input_errors(f"case '{key}'"):
-        scenario = Scenario.from_toml(folder / "scenarios" / f"{entry.scenario or key}.toml")
-        if record is not None and scenario.record is None:
-            scenario = scenario.replace(record={"channels": list(record)})
-        scenario = scenario.replace(**entry.set)
+        if entry.like is None:
+            scenario = Scenario.from_toml(folder / "scenarios" / f"{entry.scenario or key}.toml")
+        elif entry.scenario is not None:
+            raise InputError("give scenario or like, not both")
+        elif entry.like not in earlier:
+            raise InputError(f"no case '{entry.like}' before it{suggestion(entry.like, earlier)}")
+        else:
+            scenario = earlier[entry.like].scenario
+        usual = {} if record is None or scenario.record is not None else {"record": {"channels": list(record)}}
+        scenario = scenario.replace(**(usual | entry.set))
     return Case(key, entry.title or scenario.description or key, scenario)
 
 
