@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Flight code on an embedded target: compiled without exceptions and RTTI, for float and double, and not one allocation in a
+// thousand samples. Eigen allocates past operator new, so it is asked to assert that it does not.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::atomic<long> allocations{0};
+std::atomic<long> eigen_failures{0};
+}  // namespace
+
+#define EIGEN_RUNTIME_NO_MALLOC
+#define eigen_assert(condition)         \
+  do {                                  \
+    if (!(condition)) ++eigen_failures; \
+  } while (false)
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  std::abort();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "stacks.hpp"
+
+namespace gyrostat::test {
+namespace {
+
+#ifdef __cpp_exceptions
+#error "this test is meant to be compiled with -fno-exceptions"
+#endif
+#ifdef __cpp_rtti
+#error "this test is meant to be compiled with -fno-rtti"
+#endif
+
+template <class S>
+class Embedded : public testing::Test {};
+using Scalars = testing::Types<float, double>;
+TYPED_TEST_SUITE(Embedded, Scalars);
+
+TYPED_TEST(Embedded, NoAllocationFromConstructionOn) {
+  using S = TypeParam;
+  const gyrostat::Setup<S> setup = ftc_4rw<S>();
+  const long before = allocations, failed = eigen_failures;
+  Eigen::internal::set_is_malloc_allowed(false);
+  int stacks = 0;
+  bool finite = true;
+  for_every_stack<S>(setup, [&](auto stack) {
+    static_assert(decltype(stack)::cannot_throw);
+    static_assert(noexcept(stack.step(std::declval<const Measurement<S>&>(), std::declval<const Reference<S>&>())));
+    for (Tick k = 0; k < 1000; ++k) finite = finite && stack.step(wobble<S>(k, 4), {}).u.allFinite();
+    stack.reset();
+    stack.step(wobble<S>(0, 4), {});
+    ++stacks;
+  });
+  Eigen::internal::set_is_malloc_allowed(true);
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(eigen_failures - failed, 0);
+  EXPECT_EQ(stacks, 5);
+  EXPECT_TRUE(finite);
+}
+
+TYPED_TEST(Embedded, TelemetryAllocatesNothingEither) {
+  using S = TypeParam;
+  for_every_stack<S>(ftc_4rw<S>(), [](auto stack) {
+    stack.step(wobble<S>(0, 4), {});
+    const long before = allocations;
+    long values = 0;
+    stack.controller.telemetry([&values](auto, const auto&) { ++values; });
+    stack.allocator.telemetry([&values](auto, const auto&) { ++values; });
+    EXPECT_EQ(allocations - before, 0);
+    EXPECT_GT(values, 0);
+  });
+}
+
+TEST(EmbeddedCounters, NoticeAnAllocation) {  // the test above can fail
+  const long before = allocations, failed = eigen_failures;
+  ::operator delete(::operator new(8));
+  Eigen::internal::set_is_malloc_allowed(false);
+  { const Eigen::MatrixXd heap = Eigen::MatrixXd::Zero(20, 20); }
+  Eigen::internal::set_is_malloc_allowed(true);
+  EXPECT_EQ(allocations - before, 1);
+  EXPECT_GT(eigen_failures - failed, 0);
+}
+
+TEST(Signals, StaySmall) {
+  EXPECT_LE(sizeof(Estimate<double>), 640u);
+  EXPECT_LE(sizeof(Allocation<double>), 384u);
+}
+
+}  // namespace
+}  // namespace gyrostat::test
