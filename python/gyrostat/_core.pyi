@@ -1,123 +1,568 @@
-# SPDX-License-Identifier: MIT
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeAlias
+"""
+C++ core of gyrostat.
+"""
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import typing
 
-_Array: TypeAlias = NDArray[np.float64]
-
-__version__: str
-
-def catalogue() -> dict[str, list[str]]: ...
-def describe(family: str, name: str) -> dict[str, Any]: ...
-def check_params(family: str, name: str, params: Mapping[str, Any], where: str) -> None: ...
-def check(scenario: Mapping[str, Any], components: Mapping[str, object] = ...) -> list[dict[str, Any]]: ...
-def resolve(scenario: Mapping[str, Any], components: Mapping[str, object] = ...) -> dict[str, Any]: ...
-def channel_names(scenario: Mapping[str, Any], components: Mapping[str, object] = ...) -> list[dict[str, Any]]: ...
-def simulate(
-    scenario: Mapping[str, Any],
-    components: Mapping[str, object] = ...,
-    channels: Sequence[str] | None = ...,
-    every: int = ...,
-    progress: Callable[[float], None] | None = ...,
-    record: bool = ...,
-) -> dict[str, Any]: ...
-def settling_time(t: ArrayLike, x: ArrayLike, band: float, after: float = ...) -> float: ...
-def window_max(t: ArrayLike, x: ArrayLike, t0: float, t1: float) -> float: ...
-def window_max_norm(t: ArrayLike, x: ArrayLike, t0: float, t1: float) -> float: ...
-def window_min(t: ArrayLike, x: ArrayLike, t0: float, t1: float) -> float: ...
-def window_upper(t: ArrayLike, x: ArrayLike, t0: float, t1: float) -> float: ...
-def window_rms(t: ArrayLike, x: ArrayLike, t0: float, t1: float) -> float: ...
-def energy(t: ArrayLike, u: ArrayLike) -> float: ...
-def total_variation(t: ArrayLike, u: ArrayLike, t0: float, t1: float) -> float: ...
-def fraction_at_least(t: ArrayLike, x: ArrayLike, level: float, t0: float, t1: float) -> float: ...
-def first_reach(t: ArrayLike, x: ArrayLike, level: float, after: float = ...) -> float: ...
-def mrp_from_quat(q: ArrayLike) -> _Array: ...
-def quat_from_mrp(sigma: ArrayLike) -> _Array: ...
-def mrp_shadow(sigma: ArrayLike) -> _Array: ...
-def euler_from_quat(q: ArrayLike) -> _Array: ...
-def quat_from_euler(angles: ArrayLike) -> _Array: ...
-def quat_from_rotation_vector(phi: ArrayLike) -> _Array: ...
-def rotation_vector_from_quat(q: ArrayLike) -> _Array: ...
-def rotation_angle(q: ArrayLike) -> _Array: ...
-def dcm_from_quat(q: ArrayLike) -> _Array: ...
+__all__: list[str] = [
+    "Allocation",
+    "Demand",
+    "Detection",
+    "Estimate",
+    "EulerState",
+    "Measurement",
+    "NominalVehicle",
+    "Reference",
+    "Setup",
+    "catalogue",
+    "channel_names",
+    "check",
+    "check_params",
+    "dcm_from_quat",
+    "describe",
+    "energy",
+    "euler_from_quat",
+    "first_reach",
+    "fraction_at_least",
+    "mrp_from_quat",
+    "mrp_shadow",
+    "quat_from_euler",
+    "quat_from_mrp",
+    "quat_from_rotation_vector",
+    "resolve",
+    "rotation_angle",
+    "rotation_vector_from_quat",
+    "settling_time",
+    "simulate",
+    "total_variation",
+    "window_max",
+    "window_max_norm",
+    "window_min",
+    "window_rms",
+    "window_upper",
+]
 
 class EulerState:
-    angles: _Array
-    rates: _Array
+    """
+    Roll, pitch, yaw (rad) and their rates (rad/s).
+    """
+    @property
+    def angles(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) rad
+        """
+    @angles.setter
+    def angles(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def rates(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) rad/s
+        """
+    @rates.setter
+    def rates(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
 
 class NominalVehicle:
+    """
+    The nominal vehicle: all that flight knows of it.
+    """
     @property
-    def J_B(self) -> _Array: ...
+    def D_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (3, n) actuator axes in columns
+        """
     @property
-    def D_B(self) -> _Array: ...
+    def J_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        """
+        (3, 3) kg m^2; with wheels: total less sum Js g g'
+        """
     @property
-    def orbit_rate(self) -> float: ...
-    u_lo: _Array
-    u_up: _Array
-    u_rate: _Array
-    spare: list[int]
-    wheels: list[int]
+    def orbit_rate(self) -> float:
+        """
+        rad/s
+        """
+    @property
+    def spare(self) -> list:
+        """
+        actuators that are off until a detector enables them
+        """
+    @spare.setter
+    def spare(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
+    def u_lo(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m
+        """
+    @u_lo.setter
+    def u_lo(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def u_rate(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m/s
+        """
+    @u_rate.setter
+    def u_rate(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def u_up(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m
+        """
+    @u_up.setter
+    def u_up(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def wheels(self) -> list:
+        """
+        actuators that store momentum
+        """
+    @wheels.setter
+    def wheels(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
 
 class Setup:
-    @property
-    def vehicle(self) -> NominalVehicle: ...
+    """
+    What a component is built for: the nominal vehicle and the period dt (s).
+    """
     @property
     def dt(self) -> float: ...
+    @property
+    def vehicle(self) -> NominalVehicle: ...
 
 class Measurement:
-    @property
-    def tick(self) -> int: ...
+    """
+    Sensors to observer.
+    """
     @property
     def euler(self) -> EulerState: ...
-    q_NB: _Array
-    omega_BN_B: _Array
-    h_w: _Array
+    @property
+    def h_w(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m s
+        """
+    @h_w.setter
+    def h_w(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def omega_BN_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) rad/s
+        """
+    @omega_BN_B.setter
+    def omega_BN_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def q_NB(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
+        """
+        (4,) scalar first; sign continuous from the start
+        """
+    @q_NB.setter
+    def q_NB(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[4, 1]"]) -> None: ...
+    @property
+    def tick(self) -> int: ...
 
 class Reference:
+    """
+    What the vehicle should do.
+    """
     @property
     def euler(self) -> EulerState: ...
     @property
-    def event(self) -> int: ...
-    q_NR: _Array
-    omega_RN_R: _Array
-    omegadot_RN_R: _Array
-    euler_accelerations: _Array
+    def euler_accelerations(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) rad/s^2
+        """
+    @euler_accelerations.setter
+    def euler_accelerations(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def event(self) -> int:
+        """
+        counts jumps
+        """
+    @property
+    def omega_RN_R(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) rad/s
+        """
+    @omega_RN_R.setter
+    def omega_RN_R(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def omegadot_RN_R(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) rad/s^2
+        """
+    @omegadot_RN_R.setter
+    def omegadot_RN_R(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def q_NR(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
+        """
+        (4,) scalar first
+        """
+    @q_NR.setter
+    def q_NR(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[4, 1]"]) -> None: ...
 
 class Estimate:
+    """
+    Observer to detector, controller and allocator.
+    """
+
+    euler: EulerState
     @staticmethod
-    def healthy(y: Measurement) -> Estimate: ...
+    def healthy(y: Measurement) -> Estimate:
+        """
+        The measured state, healthy actuators of unknown certainty, no disturbance.
+        """
+    @property
+    def d_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) N m, what effectiveness does not explain
+        """
+    @d_B.setter
+    def d_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def effectiveness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) delivered / commanded
+        """
+    @effectiveness.setter
+    def effectiveness(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def effectiveness_bound(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) relative half-width; inf: never excited
+        """
+    @effectiveness_bound.setter
+    def effectiveness_bound(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def h_w(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m s
+        """
+    @h_w.setter
+    def h_w(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def omega_BN_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) rad/s
+        """
+    @omega_BN_B.setter
+    def omega_BN_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def q_NB(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
+        """
+        (4,) scalar first
+        """
+    @q_NB.setter
+    def q_NB(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[4, 1]"]) -> None: ...
     @property
     def tick(self) -> int: ...
-    q_NB: _Array
-    omega_BN_B: _Array
-    h_w: _Array
-    euler: EulerState
-    effectiveness: _Array
-    effectiveness_bound: _Array
-    d_B: _Array
 
 class Detection:
+    """
+    Detector to controller and allocator.
+    """
     @staticmethod
-    def none(vehicle: NominalVehicle) -> Detection: ...
-    changed: list[int]
-    failed: list[int]
-    enabled: list[int]
-    u_probe: _Array
-    event: int
+    def none(vehicle: NominalVehicle) -> Detection:
+        """
+        Nothing detected; everything but the spares is enabled.
+        """
+    @property
+    def changed(self) -> list:
+        """
+        actuators declared changed
+        """
+    @changed.setter
+    def changed(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
+    def enabled(self) -> list:
+        """
+        actuators that may be used
+        """
+    @enabled.setter
+    def enabled(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
+    def event(self) -> int:
+        """
+        counts declarations
+        """
+    @event.setter
+    def event(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def failed(self) -> list:
+        """
+        actuators declared useless
+        """
+    @failed.setter
+    def failed(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
+    def u_probe(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m, dither; empty: none
+        """
+    @u_probe.setter
+    def u_probe(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
 
 class Demand:
-    tau_B: _Array
-    u_pref: _Array
-    def __init__(self, tau_B: ArrayLike, u_pref: ArrayLike | None = ...) -> None: ...
+    """
+    Controller to allocator.
+    """
+    def __init__(
+        self, tau_B: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], u_pref: typing.Any = None
+    ) -> None: ...
+    @property
+    def tau_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) N m
+        """
+    @tau_B.setter
+    def tau_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def u_pref(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m; empty: zero
+        """
+    @u_pref.setter
+    def u_pref(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
 
 class Allocation:
+    """
+    Allocator to actuators, and to everyone as `last` at the next sample.
+    """
     def __init__(self) -> None: ...
-    u: _Array
-    demand_B: _Array
-    achieved_B: _Array
-    saturated: list[int]
-    gap: float
-    worst_case: float
-    iterations: int
+    @property
+    def achieved_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) N m, D diag(effectiveness) u
+        """
+    @achieved_B.setter
+    def achieved_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def demand_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) N m, what was asked
+        """
+    @demand_B.setter
+    def demand_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def gap(self) -> float: ...
+    @gap.setter
+    def gap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def iterations(self) -> int: ...
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def saturated(self) -> list:
+        """
+        actuators at a limit
+        """
+    @saturated.setter
+    def saturated(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
+    def u(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m, issued command
+        """
+    @u.setter
+    def u(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def worst_case(self) -> float:
+        """
+        N m
+        """
+    @worst_case.setter
+    def worst_case(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+def catalogue() -> dict:
+    """
+    Every family of the catalogue with its names.
+    """
+
+def channel_names(scenario: dict, components: dict = {}) -> list:
+    """
+    Channels that a run of this scenario offers.
+    """
+
+def check(scenario: dict, components: dict = {}) -> list:
+    """
+    Builds everything without running; one row a component that has something to check.
+    """
+
+def check_params(family: str, name: str, params: dict, where: str) -> None:
+    """
+    Raises ValueError, one line, when a parameter is unknown, of the wrong type or out of range.
+    """
+
+def dcm_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Direction cosines C_BN (..., 3, 3) of quaternions q_NB (..., 4): v_B = C_BN v_N.
+    """
+
+def describe(family: str, name: str) -> dict:
+    """
+    Parameters of a component: name, kind, unit, range, default, meaning.
+    """
+
+def energy(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> float:
+    """
+    Integral of sum_i u_i^2 dt, u held from each sample to the next.
+    """
+
+def euler_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Roll, pitch, yaw (..., 3) in rad of quaternions (..., 4), scalar first; 3-2-1 sequence.
+    """
+
+def first_reach(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    level: typing.SupportsFloat | typing.SupportsIndex,
+    after: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+) -> float:
+    """
+    First instant (s), not before `after`, with max_i |x_i| >= level; nan when there is none.
+    """
+
+def fraction_at_least(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    level: typing.SupportsFloat | typing.SupportsIndex,
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Share of the samples in [t0, t1] with max_i |x_i| >= level.
+    """
+
+def mrp_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    MRP of quaternions (..., 4), scalar first -> (..., 3). The sign of q decides which of the two sets comes out.
+    """
+
+def mrp_shadow(sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    The other MRP (..., 3) of the same attitude.
+    """
+
+def quat_from_euler(
+    angles: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Quaternions (..., 4), scalar first, of roll, pitch, yaw (..., 3) in rad.
+    """
+
+def quat_from_mrp(
+    sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Quaternions (..., 4), scalar first, of MRP (..., 3).
+    """
+
+def quat_from_rotation_vector(
+    phi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Quaternions (..., 4) of rotation vectors (..., 3) in rad.
+    """
+
+def resolve(scenario: dict, components: dict = {}) -> dict:
+    """
+    The scenario with every default filled in.
+    """
+
+def rotation_angle(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Rotation angles (...) in rad, 0 to pi, of quaternions (..., 4).
+    """
+
+def rotation_vector_from_quat(
+    q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Rotation vectors (..., 3) in rad, of length at most pi, of quaternions (..., 4).
+    """
+
+def settling_time(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    band: typing.SupportsFloat | typing.SupportsIndex,
+    after: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+) -> float:
+    """
+    First instant (s), not before `after`, from which max_i |x_i| < band to the end; nan when it is never so.
+    """
+
+def simulate(
+    scenario: dict,
+    components: dict = {},
+    channels: collections.abc.Sequence[str] | None = None,
+    every: typing.SupportsInt | typing.SupportsIndex = 1,
+    progress: typing.Any = None,
+    record: bool = True,
+) -> dict:
+    """
+    Runs one closed loop. Releases the GIL; Python components take it back for their own step only.
+    """
+
+def total_variation(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Sum over [t0, t1] of sum_i |change of u_i|, per second.
+    """
+
+def window_max(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Largest |x_i| of the samples in [t0, t1].
+    """
+
+def window_max_norm(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Largest Euclidean norm of x in [t0, t1].
+    """
+
+def window_min(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Smallest value of any x_i in [t0, t1].
+    """
+
+def window_rms(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Root of the mean over [t0, t1] of sum_i x_i^2.
+    """
+
+def window_upper(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Largest value (signed) of any x_i in [t0, t1].
+    """
+
+__version__: str = "0.1.0"

@@ -322,9 +322,9 @@ def _summary(result: Result) -> str:
     if "estimate.effectiveness" in result.channels and "truth.effectiveness" in result.channels:
         estimated, true = result["estimate.effectiveness"][-1], result["truth.effectiveness"][-1]
         parts += [
-            f"actuator {i} estimated at {estimated[i]:.2f}, true {true[i]:.2f}"
-            for i in range(len(true))
-            if true[i] != 1.0
+            f"actuator {i} estimated at {e:.2f}, true {t:.2f}"
+            for i, (e, t) in enumerate(zip(estimated, true, strict=True))
+            if e != 1.0
         ]
     return "; ".join(parts) or f"{len(result)} samples to {result.end_time:g} s"
 
@@ -373,6 +373,8 @@ def _finite(value: Any) -> Any:
 
 
 def _short(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_short(v) for v in value)}]"
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

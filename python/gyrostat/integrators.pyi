@@ -6,13 +6,16 @@ from gyrostat.components import Component
 def Cvode(
     *,
     rtol: float | None = ...,
+    atol: float | None = ...,
 ) -> Component:
     """The integrator 'cvode'.
 
     Parameters
     ----------
     rtol
-        m; [1e-14, 0.01]; default 1e-09
+        relative tolerance of a step; [1e-15, 0.01]; default 1e-09
+    atol
+        absolute tolerance of a step, of quaternion and momentum (N m s); [1e-20, 0.01]; default 1e-12
     """
 
 def Rk4(
@@ -24,5 +27,5 @@ def Rk4(
     Parameters
     ----------
     substeps
-        m; [1, 1000]; default 1
+        steps a sample; [1, 1e+06]; default 1
     """

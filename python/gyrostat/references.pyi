@@ -1,16 +1,124 @@
 # SPDX-License-Identifier: MIT
 # Generated from the catalogue by gyrostat.stubs.
 
-from gyrostat.components import Component, Vector
+from gyrostat.components import Component, Matrix, Vector
 
 def Hold(
     *,
     q_NR: Vector | None = ...,
+    mrp: float | Vector | None = ...,
+    euler: float | Vector | None = ...,
 ) -> Component:
     """The reference 'hold'.
 
     Parameters
     ----------
     q_NR
-        m; default [1.0, 0, 0, 0]
+        attitude as a quaternion, scalar first; [-1, 1]; default [1.0, 0.0, 0.0, 0.0]
+    mrp
+        attitude as MRP, instead of q_NR; [-1.79769e+308, 1.79769e+308]
+    euler
+        attitude as roll, pitch, yaw, instead of q_NR; rad; [-1.79769e+308, 1.79769e+308]
+    """
+
+def Steps(
+    *,
+    times: Vector | None = ...,
+    euler: Matrix | None = ...,
+    mrp: Matrix | None = ...,
+) -> Component:
+    """The reference 'steps'.
+
+    Parameters
+    ----------
+    times
+        instants of the jumps, increasing; the first attitude holds before them too; s; [0, 1.79769e+308]; default []
+    euler
+        one row [roll, pitch, yaw] a time; rad; [-1.79769e+308, 1.79769e+308]; default []
+    mrp
+        one row a time, instead of euler; [-1.79769e+308, 1.79769e+308]; default []
+    """
+
+def Slew(
+    *,
+    duration: float,
+    from_euler: float | Vector | None = ...,
+    to_euler: float | Vector | None = ...,
+    start: float | None = ...,
+) -> Component:
+    """The reference 'slew'.
+
+    Parameters
+    ----------
+    duration
+        how long it takes; s; [1e-09, 1.79769e+308]
+    from_euler
+        roll, pitch, yaw before; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+    to_euler
+        roll, pitch, yaw after; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+    start
+        when it begins; s; [0, 1.79769e+308]; default 0.0
+    """
+
+def MrpSine(
+    *,
+    offset: float | Vector | None = ...,
+    amplitude: float | Vector | None = ...,
+    frequency: float | Vector | None = ...,
+    phase: float | Vector | None = ...,
+) -> Component:
+    """The reference 'mrp_sine'.
+
+    Parameters
+    ----------
+    offset
+        mean MRP; [-10, 10]; default [0.0, 0.0, 0.0]
+    amplitude
+        of each component; [-10, 10]; default [0.0, 0.0, 0.0]
+    frequency
+        of each component; rad/s; [-1000, 1000]; default [0.0, 0.0, 0.0]
+    phase
+        of each component; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+    """
+
+def EulerSine(
+    *,
+    offset: float | Vector | None = ...,
+    amplitude: float | Vector | None = ...,
+    frequency: float | Vector | None = ...,
+    phase: float | Vector | None = ...,
+) -> Component:
+    """The reference 'euler_sine'.
+
+    Parameters
+    ----------
+    offset
+        mean roll, pitch, yaw; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+    amplitude
+        of each angle; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+    frequency
+        of each angle; rad/s; [-1000, 1000]; default [0.0, 0.0, 0.0]
+    phase
+        of each angle; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+    """
+
+def Sine(
+    *,
+    euler: float | Vector | None = ...,
+    amplitude: float | Vector | None = ...,
+    frequency: float | Vector | None = ...,
+    phase: float | Vector | None = ...,
+) -> Component:
+    """The reference 'sine'.
+
+    Parameters
+    ----------
+    euler
+        roll, pitch, yaw at the start; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+    amplitude
+        of each rate; rad/s; [-10, 10]; default [0.0, 0.0, 0.0]
+    frequency
+        of each rate; rad/s; [-1000, 1000]; default [0.0, 0.0, 0.0]
+    phase
+        of each rate; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
     """

@@ -309,8 +309,8 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
         if isinstance(target, list):
             target = target[_position(target, part, ".".join(path[: depth + 1]))]
         elif isinstance(target, dict):
-            if isinstance(target.get(part), Component):
-                target[part] = target[part].to_dict()
+            if isinstance(target.get(part), Component | str):  # a component by its name alone
+                target[part] = _table(_component(target[part]))
             target = target.setdefault(part, {})
         if not isinstance(target, dict | list):
             raise InputError(f"'{key}': '{'.'.join(path[: depth + 1])}' = {target!r} has no keys")

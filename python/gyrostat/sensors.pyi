@@ -1,16 +1,43 @@
 # SPDX-License-Identifier: MIT
 # Generated from the catalogue by gyrostat.stubs.
 
-from gyrostat.components import Component
+from gyrostat.components import Component, Vector
 
 def Gyro(
     *,
     noise: float | None = ...,
+    bias: float | Vector | None = ...,
+    quantisation: float | None = ...,
+    delay: int | None = ...,
 ) -> Component:
     """The sensor 'gyro'.
 
     Parameters
     ----------
     noise
-        m; rad/s; [0, 1]; default 0.0
+        white, one sigma a sample and axis; rad/s; [0, 100]; default 0.0
+    bias
+        constant, in body axes; rad/s; [-100, 100]; default [0.0, 0.0, 0.0]
+    quantisation
+        size of a step; 0: none; rad/s; [0, 100]; default 0.0
+    delay
+        age of what is measured; samples; [0, 1000]; default 0
+    """
+
+def Attitude(
+    *,
+    noise: float | None = ...,
+    quantisation: float | None = ...,
+    delay: int | None = ...,
+) -> Component:
+    """The sensor 'attitude'.
+
+    Parameters
+    ----------
+    noise
+        white, one sigma a sample and axis of the error rotation; rad; [0, 1]; default 0.0
+    quantisation
+        step of the angle near zero rotation (quaternion elements: half of it); 0: none; rad; [0, 1]; default 0.0
+    delay
+        age of what is measured; samples; [0, 1000]; default 0
     """

@@ -62,15 +62,14 @@ def _function(info: Mapping[str, Any]) -> str:
     optional = [p for p in info["params"] if not p["required"]]
     parameters = [f"    {p['name']}: {_type(p)}," for p in required]
     parameters += [f"    {p['name']}: {_type(p)} | None = ...," for p in optional]
-    lines = [f"def {class_name(info['name'])}("]
-    lines += ["    *,", *parameters] if parameters else []
-    lines += [") -> Component:", f'    """The {info["family"]} \'{info["name"]}\'.']
-    if parameters:
-        lines += ["", "    Parameters", "    ----------"]
-        for param in required + optional:
-            lines += [f"    {param['name']}", f"        {describe_parameter(param)}"]
-        lines.append("    ")
-    return "\n".join(lines).rstrip() + ('"""' if not parameters else '\n    """')
+    head = f"def {class_name(info['name'])}("
+    summary = f'    """The {info["family"]} \'{info["name"]}\'.'
+    if not parameters:
+        return f'{head}) -> Component:\n{summary}"""'
+    lines = [head, "    *,", *parameters, ") -> Component:", summary, "", "    Parameters", "    ----------"]
+    for param in required + optional:
+        lines += [f"    {param['name']}", f"        {describe_parameter(param)}"]
+    return "\n".join([*lines, '    """'])
 
 
 def _type(param: Mapping[str, Any]) -> str:

@@ -3,8 +3,14 @@
 
 from __future__ import annotations
 
-import gyrostat as gs
 import pytest
+from hypothesis import settings
+
+import gyrostat as gs
+
+# Fixed examples in every run; no deadline, machines are shared.
+settings.register_profile("gyrostat", derandomize=True, deadline=None)
+settings.load_profile("gyrostat")
 
 
 @pytest.fixture(scope="session")

@@ -8,8 +8,9 @@ import os
 from pathlib import Path
 from typing import Any
 
-import gyrostat as gs
 import pytest
+
+import gyrostat as gs
 
 # what is changed -> what the message must say
 CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
@@ -97,8 +98,8 @@ def test_missing_duration_is_named(scenario: gs.Scenario) -> None:
 def test_a_component_is_checked_when_it_is_written_down() -> None:
     with pytest.raises(gs.InputError, match=r"no parameter 'lamda1', did you mean 'lambda1'\?$"):
         gs.observer("finite_time_disturbance", lamda1=1.0)
-    with pytest.raises(gs.InputError, match="remaining"):
-        gs.faults.LossOfEffectiveness(actuator=1)  # type: ignore[call-arg]
+    with pytest.raises(gs.InputError, match="actuator is missing"):
+        gs.faults.LossOfEffectiveness(remaining=0.4)  # type: ignore[call-arg]
 
 
 def test_an_unknown_channel_names_a_near_one(scenario: gs.Scenario, result: gs.Result) -> None:

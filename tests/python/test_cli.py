@@ -9,10 +9,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import gyrostat as gs
 import jsonschema
 import numpy as np
 import pytest
+
+import gyrostat as gs
 from gyrostat import _core
 from gyrostat.scenario import shipped
 from gyrostat.schema import scenario_schema

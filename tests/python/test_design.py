@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-import gyrostat as gs
 import numpy as np
 import pytest
-from gyrostat import design
 from hypothesis import given
 from hypothesis import strategies as st
+
+import gyrostat as gs
+from gyrostat import design
 
 gains = st.floats(0.05, 20.0)
 

@@ -7,8 +7,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import gyrostat as gs
 import pytest
+
+import gyrostat as gs
 from gyrostat import stubs
 
 ROOT = Path(__file__).parents[2]

@@ -6,9 +6,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import gyrostat as gs
 import numpy as np
 import pytest
+
+import gyrostat as gs
 from gyrostat import papers
 from gyrostat.report import write_report
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import gyrostat as gs
 import numpy as np
 import pytest
+
+import gyrostat as gs
 
 
 class MrpFeedback:
@@ -36,7 +37,7 @@ def ideal(scenario: gs.Scenario) -> gs.Scenario:
 def test_a_python_controller_flies_the_same_path_as_the_compiled_one(ideal: gs.Scenario) -> None:
     compiled = ideal.replace(controller=gs.controller("mrp_feedback"))
     gains = compiled.resolve()["controller"]
-    law = MrpFeedback(gains["stiffness"], gains["damping"])
+    law = MrpFeedback(gains["K"], gains["P"])
     ours = ideal.replace(controller=law).run()
     # the closed loop contracts: rounding of one sample does not grow
     np.testing.assert_allclose(ours["omega_BN_B"], compiled.run()["omega_BN_B"], rtol=0, atol=1e-12)

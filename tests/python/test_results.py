@@ -6,13 +6,14 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import gyrostat as gs
 import numpy as np
 import pytest
-from gyrostat import metrics
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+
+import gyrostat as gs
+from gyrostat import metrics
 
 
 def test_arrays_are_time_first_and_read_only(result: gs.Result) -> None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import gyrostat as gs
 import numpy as np
 import pytest
-from gyrostat import _core, toml
-from gyrostat.scenario import shipped
 from hypothesis import given
 from hypothesis import strategies as st
+
+import gyrostat as gs
+from gyrostat import _core, toml
+from gyrostat.scenario import shipped
 
 
 def test_toml_says_the_same_as_python(scenario: gs.Scenario, tmp_path: Path) -> None:

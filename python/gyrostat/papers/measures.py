@@ -25,6 +25,7 @@ Metric = Callable[..., float]
 Window = tuple[float, float] | list[float]
 
 _whole = (-math.inf, math.inf)
+_common = {"metric", "signal", "column", "against"}
 
 
 def settling_time(result: Result, *, signal: Array, band: float, after: float = 0.0) -> float:
@@ -156,6 +157,9 @@ class Measure:
         against = arguments.pop("against", None)
         if against is not None and against not in cases:
             raise InputError(f"no case '{against}' to compare with")
+        takes = set(inspect.signature(known[name]).parameters) - {"result", "signal", "against", "other"}
+        for key in set(arguments) - takes:
+            raise InputError(f"metric '{name}' has no argument '{key}'{suggestion(key, takes | _common)}")
         given = dict(arguments)
         given |= {"signal": 0} if signal is not None else {}
         given |= {"against": 0, "other": 0} if against is not None else {}
