@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file  The scales that default parameters are made of: torque and acceleration at hand, stiffness, damping.
-/// Page: docs/tuning.md
+/// Page: docs/components/mrp_feedback.md
 #pragma once
 #include <Eigen/Eigenvalues>
 #include <cmath>
