@@ -91,6 +91,12 @@ double SquareWave::next_switch(double t) const noexcept {
   return next;
 }
 
+Waveform::Waveform(const Waveform&) = default;
+Waveform::Waveform(Waveform&&) noexcept = default;
+Waveform& Waveform::operator=(const Waveform&) = default;
+Waveform& Waveform::operator=(Waveform&&) noexcept = default;
+Waveform::~Waveform() = default;
+
 double Waveform::operator()(double t, double branch) const noexcept {
   return std::visit([&](const auto& w) { return value(w, t, branch); }, kind_);
 }

@@ -105,6 +105,13 @@ class Waveform {
     requires requires(K k) { Kind(std::in_place_type<K>, k); }
   Waveform(K kind) : kind_(std::in_place_type<K>, std::move(kind)) {}
 
+  // Defined in the source file: a variant of vectors inlined into every user is slow to compile.
+  Waveform(const Waveform&);
+  Waveform(Waveform&&) noexcept;
+  Waveform& operator=(const Waveform&);
+  Waveform& operator=(Waveform&&) noexcept;
+  ~Waveform();
+
   /// Value at t on the piece that contains `branch`.
   double operator()(double t, double branch) const noexcept;
   double operator()(double t) const noexcept { return (*this)(t, t); }
