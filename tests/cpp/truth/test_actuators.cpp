@@ -134,7 +134,7 @@ TEST(Actuators, RefuseWhatDoesNotFitTogether) {
   a.u_up.resize(3);
   EXPECT_NE(a.check().find("u_up has 3 elements, need 4"), std::string::npos);
   EXPECT_THROW(FaultyActuators(limited(), {Dead{.actuator = 9}}), std::invalid_argument);
-  EXPECT_THROW(FaultyActuators(limited(), {Dead{}, StuckOutput{}}), std::invalid_argument);
+  EXPECT_THROW(FaultyActuators(limited(), {Dead{.actuator = 0}, StuckOutput{.actuator = 0}}), std::invalid_argument);
 }
 
 }  // namespace

@@ -39,9 +39,11 @@ TEST(Faults, DoNotContradictOneAfterTheOtherOrOnOtherActuators) {
 TEST(Faults, SayWhatIsWrong) {
   EXPECT_EQ(check(Dead{.actuator = 3}, 4), "");
   EXPECT_NE(check(Dead{.actuator = 4}, 4).find("actuator 4 does not exist"), std::string::npos);
+  EXPECT_EQ(check(Dead{}, 4), "fault dead: needs its actuator");
   EXPECT_NE(check(Dead{.actuator = 0, .t_on = 5, .t_off = 5}, 4).find("t_on"), std::string::npos);
-  EXPECT_NE(check(HardOver{.sign = 0}, 4).find("sign"), std::string::npos);
-  EXPECT_NE(check(Bias{.torque = SquareWave{.period = 0}}, 4).find("fault bias: period"), std::string::npos);
+  EXPECT_NE(check(HardOver{.actuator = 0, .sign = 0}, 4).find("sign"), std::string::npos);
+  EXPECT_NE(check(Bias{.actuator = 0, .torque = SquareWave{.period = 0}}, 4).find("fault bias: period"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -62,7 +62,8 @@ bool active(const Fault& fault, double branch) noexcept { return onset(fault) <=
 
 std::string check(const Fault& fault, int n) {
   const std::string who = "fault " + std::string(name_of(fault)) + ": ";
-  if (actuator_of(fault) < 0 || actuator_of(fault) >= n) {
+  if (actuator_of(fault) < 0) return who + "needs its actuator";
+  if (actuator_of(fault) >= n) {
     return who + "actuator " + std::to_string(actuator_of(fault)) + " does not exist, the vehicle has " +
            std::to_string(n) + " (counted from 0)";
   }
