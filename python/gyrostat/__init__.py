@@ -10,13 +10,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference, Setup, __version__
-from gyrostat.components import Component, allocator, controller, detector, integrator, observer, reference
-from gyrostat.errors import InputError
-from gyrostat.results import Event, Result
-from gyrostat.scenario import Record, Scenario, Shadow
-from gyrostat.vehicle import Initial, Truth, Vehicle
-
 if TYPE_CHECKING:
     from gyrostat import (
         attitude,
@@ -27,11 +20,18 @@ if TYPE_CHECKING:
         metrics,
         papers,
         plots,
+        protocols,
         references,
         sensors,
         vehicle,
         waveforms,
     )
+    from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference, Setup, __version__
+    from gyrostat.components import Component, allocator, controller, detector, integrator, observer, reference
+    from gyrostat.errors import InputError
+    from gyrostat.results import Event, Result
+    from gyrostat.scenario import Record, Scenario, Shadow
+    from gyrostat.vehicle import Initial, Truth, Vehicle
 
 __all__ = [
     "Allocation",
@@ -65,6 +65,7 @@ __all__ = [
     "observer",
     "papers",
     "plots",
+    "protocols",
     "reference",
     "references",
     "sensors",
@@ -72,12 +73,27 @@ __all__ = [
     "waveforms",
 ]
 
+_homes = {
+    "_core": ["Allocation", "Demand", "Detection", "Estimate", "Measurement", "Reference", "Setup", "__version__"],
+    "components": ["Component", "allocator", "controller", "detector", "integrator", "observer", "reference"],
+    "errors": ["InputError"],
+    "results": ["Event", "Result"],
+    "scenario": ["Record", "Scenario", "Shadow"],
+    "vehicle": ["Initial", "Truth", "Vehicle"],
+}
+_home_of = {name: home for home, names in _homes.items() for name in names}
+
 
 def __getattr__(name: str) -> Any:
-    """Sub-modules load when they are first used."""
-    if name in __all__:
-        return import_module(f"gyrostat.{name}")
-    raise AttributeError(f"module 'gyrostat' has no attribute '{name}'")
+    """Names and sub-modules load when they are first used: the import itself costs nothing."""
+    if name not in __all__:
+        raise AttributeError(f"module 'gyrostat' has no attribute '{name}'")
+    if name in _home_of:
+        value = getattr(import_module(f"gyrostat.{_home_of[name]}"), name)
+    else:
+        value = import_module(f"gyrostat.{name}")
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -22,7 +22,7 @@ _max_drawn = 4000
 
 
 class Figure:
-    """Panels over a common axis of time, which remembers what it draws.
+    """Panels over a common axis, of time unless said otherwise, which remembers what it draws.
 
     Parameters
     ----------
@@ -32,6 +32,8 @@ class Figure:
         Number of panels.
     size
         Width and height, inches.
+    along, unit
+        Name and unit of the common axis.
 
     Examples
     --------
@@ -41,7 +43,15 @@ class Figure:
     >>> figure.save("pointing.png")
     """
 
-    def __init__(self, title: str, rows: int = 1, size: tuple[float, float] | None = None) -> None:
+    def __init__(
+        self,
+        title: str,
+        rows: int = 1,
+        size: tuple[float, float] | None = None,
+        *,
+        along: str = "time",
+        unit: str = "s",
+    ) -> None:
         from matplotlib.figure import Figure as Canvas
 
         self.canvas = Canvas(figsize=size or (8.0, 1.0 + 1.9 * rows), layout="constrained")
@@ -49,7 +59,8 @@ class Figure:
         self.data: dict[str, NDArray[np.float64]] = {}
         self.units: dict[str, str] = {}
         self.canvas.suptitle(title, fontsize=11)
-        self.axes[-1].set_xlabel("time (s)")
+        self._clock, self._unit = ("t" if along == "time" else along), unit
+        self.axes[-1].set_xlabel(f"{along} ({unit})" if unit else along)
         for axis in self.axes:
             axis.grid(visible=True, color="#e3e6ea", linewidth=0.6)
             axis.set_axisbelow(True)
@@ -75,7 +86,7 @@ class Figure:
         row
             Panel, from 0.
         t, x
-            Instants, s, shape (n,); signal, shape (n,) or (n, k).
+            Instants, s, or points of the common axis, shape (n,); signal, shape (n,) or (n, k).
         name, unit
             Name and unit for the axis (the first signal of a panel names it) and the saved data.
         labels
@@ -83,7 +94,7 @@ class Figure:
         log
             Draw ``|x|`` on a logarithmic axis.
         style
-            Line style of matplotlib.
+            Line style of matplotlib; lines that are not solid take the colours of the first ones again.
         """
         times, values = np.asarray(t, dtype=float), np.asarray(x, dtype=float)
         self._remember(name, times, values, unit)
@@ -91,7 +102,7 @@ class Figure:
         columns = values.reshape(len(values), -1)
         for i, column in enumerate(columns.T):
             shown = np.where(column == 0.0, np.nan, np.abs(column)) if log else column
-            color = COLORS[len(axis.lines) % len(COLORS)]
+            color = COLORS[(len(axis.lines) if style == "-" else i) % len(COLORS)]
             label = labels[i] if i < len(labels) else name if columns.shape[1] == 1 else f"{i}"
             axis.plot(*thin(times, shown), style, color=color, linewidth=1.1, label=label)
         if log:
@@ -150,11 +161,12 @@ class Figure:
         while key in self.data:
             key = f"{name} {number}"
             number += 1
-        same = [k for k, v in self.data.items() if k.startswith("t") and np.array_equal(v, t)]
-        clock = same[0] if same else "t" if "t" not in self.data else f"t of {key}"
+        base = self._clock
+        same = [k for k, v in self.data.items() if k.startswith(base) and np.array_equal(v, t)]
+        clock = same[0] if same else base if base not in self.data else f"{base} of {key}"
         self.data.setdefault(clock, t)
         self.data[key] = x
-        self.units |= {key: unit, clock: "s"}
+        self.units |= {key: unit, clock: self._unit}
 
 
 def thin(t: NDArray[np.float64], x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -176,8 +188,8 @@ def fault_marks(result: Result) -> list[tuple[float, str]]:
     for fault in result.description.get("faults", []):
         onset = float(fault.get("t_on", 0.0))
         if 0.0 < onset <= result.end_time:
-            marks.setdefault(onset, []).append(f"{fault['type'].replace('_', ' ')} {fault['actuator']}")
-    return [(t, ", ".join(names)) for t, names in sorted(marks.items())]
+            marks.setdefault(onset, []).append(f"{fault['type'].replace('_', ' ')}, actuator {fault['actuator']}")
+    return [(t, "; ".join(names)) for t, names in sorted(marks.items())]
 
 
 def overview(result: Result) -> Figure:
@@ -195,8 +207,9 @@ def overview(result: Result) -> Figure:
         x = np.degrees(result[channel]) if unit == "deg" else result[channel]
         columns = labels or tuple(f"actuator {i}" for i in range(x.shape[1] if x.ndim > 1 else 1))
         figure.line(row, result.t, x, title, unit, labels=columns if x.ndim > 1 else (), log=log)
-    if "estimate.effectiveness" in result.channels and "truth.effectiveness" in result.channels:
-        labels = tuple(f"estimate {i}" for i in range(result["estimate.effectiveness"].shape[1]))
-        figure.line(len(shown) - 1, result.t, result["estimate.effectiveness"], "estimate", labels=labels, style="--")
+    estimate = result.channels.get("estimate.effectiveness", np.ones(1))
+    if "truth.effectiveness" in result.channels and np.any(estimate != 1.0):  # all 1: nobody estimates it
+        labels = tuple(f"estimate {i}" for i in range(estimate.shape[1]))
+        figure.line(len(shown) - 1, result.t, estimate, "estimate", labels=labels, style="--")
     figure.mark(fault_marks(result))
     return figure

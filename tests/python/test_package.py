@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import gyrostat as gs
-from gyrostat import stubs
+from gyrostat import _core, stubs
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "python" / "gyrostat"
@@ -25,7 +25,7 @@ def test_the_checked_in_stub_is_what_the_catalogue_says(module: str) -> None:
 @pytest.mark.parametrize("module", stubs.MODULES)
 def test_a_module_offers_exactly_its_family(module: str) -> None:
     loaded = getattr(gs, module)
-    assert len(loaded.__all__) == len(gs._core.catalogue()[stubs.MODULES[module]])
+    assert len(loaded.__all__) == len(_core.catalogue()[stubs.MODULES[module]])
     for name in loaded.__all__:
         assert getattr(loaded, name).__doc__
 
