@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Cost of one flight step and of whole closed loops, erased (as under Python) and static (as embedded).
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "gyrostat/flight/allocators/pseudo_inverse.hpp"
+#include "gyrostat/flight/controllers/integral_sliding_mode.hpp"
+#include "gyrostat/flight/controllers/mrp_feedback.hpp"
+#include "gyrostat/flight/detectors/none.hpp"
+#include "gyrostat/flight/observers/finite_time_disturbance.hpp"
+#include "gyrostat/flight/observers/passthrough.hpp"
+#include "gyrostat/host/assembly.hpp"
+#include "scenarios.hpp"
+
+namespace gyrostat::bench {
+namespace {
+
+using host::Assembly;
+
+/// A static stack with the parameters of a scenario.
+template <class O, class D, class C, class A>
+FlightStack<O, D, C, A> static_stack(const Assembly& a) {
+  const host::Place place{"benchmark", a.setup.vehicle.actuators()};
+  const auto part = [&]<class T>(std::type_identity<T>, const host::ComponentSpec& spec) {
+    return T(a.setup, host::read_params(default_params<T, double>(a.setup), spec.params, place));
+  };
+  return {a.setup, part(std::type_identity<O>{}, a.observer), part(std::type_identity<D>{}, a.detector),
+          part(std::type_identity<C>{}, a.controller), part(std::type_identity<A>{}, a.allocator)};
+}
+
+auto static_ftc(const Assembly& a) {
+  return static_stack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(a);
+}
+auto static_li2018(const Assembly& a) {
+  return static_stack<FiniteTimeDisturbanceObserver<double>, NoDetector<double>, IntegralSlidingMode<double>, PseudoInverse<double>>(a);
+}
+auto erased(const Assembly& a) { return host::make_stack(a, {}); }
+
+template <class Stack, class Watcher = host::NobodyWatches>
+host::RunEnd run(const Assembly& a, Stack& stack, Watcher&& watcher = Watcher{}) {
+  truth::Plant plant(a.plant, a.initial, a.setup.dt);
+  truth::Sensors sensors(a.sensors, a.run.seed, 0);
+  host::ReferencePath reference(a.reference, a.setup.dt);
+  return host::fly(plant, sensors, reference, stack, a.ticks, watcher);
+}
+
+/// Every measurement of a closed loop.
+struct Tape {
+  std::vector<Measurement<double>> y;
+  void before(const Measurement<double>&, const Allocation<double>&) {}
+  void after(Tick, const Measurement<double>& measured, const Reference<double>&) { y.push_back(measured); }
+};
+
+/// ns a flight step: the stack alone, fed with the measurements of its own closed loop.
+template <class Make>
+void flight_step(benchmark::State& state, const Table& scenario, Make make) {
+  const Assembly a = host::assemble(scenario);
+  auto stack = make(a);
+  Tape tape;
+  run(a, stack, tape);
+  const Reference<double> ref;
+  for (auto _ : state) {
+    stack.reset();
+    for (const Measurement<double>& y : tape.y) benchmark::DoNotOptimize(stack.step(y, ref).u.data());
+  }
+  state.counters["per_step"] = benchmark::Counter(static_cast<double>(tape.y.size()),
+                                                  benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+/// Simulated seconds a CPU second: the whole loop, nothing recorded.
+template <class Make>
+void closed_loop(benchmark::State& state, const Table& scenario, Make make) {
+  const Assembly a = host::assemble(scenario);
+  for (auto _ : state) {
+    auto stack = make(a);
+    if (run(a, stack).code != host::RunEnd::Code::completed) state.SkipWithError("the run did not complete");
+  }
+  state.counters["simulated_s_per_s"] = benchmark::Counter(a.run.duration, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+const auto make_erased = [](const Assembly& a) { return erased(a); };
+const auto make_static_ftc = [](const Assembly& a) { return static_ftc(a); };
+const auto make_static_li2018 = [](const Assembly& a) { return static_li2018(a); };
+
+BENCHMARK_CAPTURE(flight_step, ftc_4rw/erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, ftc_4rw/static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, li2018/erased, li2018_table1(20), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, li2018/static, li2018_table1(20), make_static_li2018)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4/erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4/static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, ftc_4rw_cvode/erased, ftc_4rw("cvode"), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, li2018_rk4/erased, li2018_table1(60), make_erased)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace gyrostat::bench
+
+BENCHMARK_MAIN();

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+/// @file  The two scenarios that benchmarks fly, as the host reads them.
+#pragma once
+#include <numbers>
+
+#include "gyrostat/host/value.hpp"
+
+namespace gyrostat::bench {
+
+using host::List;
+using host::Table;
+using host::Value;
+
+inline List row(std::initializer_list<double> numbers) { return List(numbers.begin(), numbers.end()); }
+
+inline Table pyramid_vehicle(double u_max, double wheel_inertia, const List& x, const List& y, const List& z) {
+  return {{"J_B", List{row({20, 0, 0.9}), row({0, 17, 0}), row({0.9, 0, 15})}},
+          {"D_B", List{x, y, z}},
+          {"u_max", u_max},
+          {"wheel_inertia", wheel_inertia}};
+}
+
+/// FTC-4RW: four wheels, plain MRP feedback (K = 1, P = 5), constant disturbance, 200 s at 100 Hz.
+inline Table ftc_4rw(const char* integrator) {
+  const double s = 1 / std::numbers::sqrt3;
+  return {{"duration", 200.0},
+          {"dt", 0.01},
+          {"vehicle", pyramid_vehicle(0.2, 0.05, row({s, s, -s, -s}), row({s, -s, -s, s}), row({s, s, s, s}))},
+          {"initial", Table{{"mrp", row({0.1, 0.2, -0.3})}, {"omega_BN_B", row({0.01, -0.02, 0.03})}}},
+          {"observer", Table{{"type", "passthrough"}}},
+          {"controller", Table{{"type", "mrp_feedback"}, {"K", 1.0}, {"P", 5.0}}},
+          {"allocator", Table{{"type", "pseudo_inverse"}}},
+          {"disturbances", List{Table{{"type", "constant"}, {"torque_B", row({1e-3, -2e-3, 1.5e-3})}}}},
+          {"integrator", Table{{"type", integrator}}}};
+}
+
+/// Li et al. 2018, Table 1: degraded wheels, disturbance observer and integral sliding mode, at 1 kHz.
+inline Table li2018_table1(double duration) {
+  const double s = 1 / std::numbers::sqrt3, half_pi = std::numbers::pi / 2;
+  const auto fault = [](const char* type, int actuator, const char* key, Value value, double t_on = 0) {
+    return Table{{"type", type}, {"actuator", actuator}, {"t_on", t_on}, {key, std::move(value)}};
+  };
+  const auto sine = [](double offset, double amplitude, double omega) {
+    return Table{{"type", "sine"}, {"offset", offset}, {"amplitude", amplitude}, {"omega", omega}};
+  };
+  return {{"duration", duration},
+          {"dt", 0.001},
+          {"vehicle", pyramid_vehicle(0.25, 0, row({s, -s, -s, s}), row({s, s, -s, -s}), row({s, s, s, s}))},
+          {"initial", Table{{"mrp", row({-0.1579, 0.1368, 0.0947})}}},
+          {"observer", Table{{"type", "finite_time_disturbance"}, {"alpha1", 0.6}, {"lambda1", 1.0}, {"lambda2", 0.6}}},
+          {"controller", Table{{"type", "integral_sliding_mode"}, {"k1", 4.9}, {"k2", 3.0}, {"beta1", 0.9}, {"K3", row({6.5, 6.7, 7.2})},
+                               {"K4", row({4, 4.22, 4})}, {"gamma", 0.88}, {"zeta1", 0.2}, {"zeta2", 0.2}, {"mu", 0.1},
+                               {"gain_0", row({0.15, 0.15, 0.15})}, {"eps", 0.01}, {"s_lim", 0.05}}},
+          {"allocator", Table{{"type", "pseudo_inverse"}}},
+          {"integrator", Table{{"type", "rk4"}}},
+          {"faults", List{fault("loss_of_effectiveness", 0, "remaining", 0.5, 10.0),
+                          fault("loss_of_effectiveness", 1, "remaining", Table{{"type", "square"}, {"high", 0.85}, {"low", 0.6}, {"period", 100.0}}),
+                          fault("loss_of_effectiveness", 2, "remaining", sine(0.9, 0.07, 0.2)),
+                          fault("loss_of_effectiveness", 3, "remaining", 0.2, 10.0), fault("bias", 1, "torque", 0.008),
+                          fault("bias", 2, "torque", sine(0, 0.05, 1.0)), fault("bias", 3, "torque", 0.005)}},
+          {"disturbances", List{Table{{"type", "rate_phase"}, {"gain", 10.0}, {"offset_B", row({-2e-3, 3e-3, 2.25e-3})}, {"axis", row({0, 0, 1, 1, 2, 2})},
+                                      {"amplitude", row({5e-4, 7.5e-4, -3.75e-4, 7.5e-4, 7.5e-4, -1.5e-3})}, {"multiple", row({10, 3, 2, 5, 10, 4})},
+                                      {"phase", row({half_pi, 0, 0, half_pi, 0, 0})}}}}};
+}
+
+}  // namespace gyrostat::bench
