@@ -7,6 +7,7 @@ import base64
 import json
 from collections.abc import Sequence
 from html import escape
+from itertools import groupby
 from pathlib import Path
 
 from gyrostat._core import __version__
@@ -26,7 +27,8 @@ table { border-collapse: collapse; width: 100%; font-size: .87rem }
 th, td { padding: .45rem .7rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line) }
 tr:last-child td { border-bottom: 0 }
 th { background: var(--soft); white-space: nowrap } td.n { font-variant-numeric: tabular-nums; white-space: nowrap }
-code { font: .85em ui-monospace, Menlo, Consolas, monospace; overflow-wrap: anywhere }
+td.what { min-width: 14rem } td code { white-space: nowrap }
+code { font: .85em ui-monospace, Menlo, Consolas, monospace }
 .tag { display: inline-block; padding: .05rem .5rem; border-radius: 99px; font-size: .8rem; white-space: nowrap }
 .good { background: #e3f4e6; color: #14632b } .bad { background: #fde5e5; color: #9b1c1c }
 .warn { background: #fdf1d7; color: #7a4b00 } .none { background: #e9edf2; color: #3e4c59 }
@@ -71,19 +73,20 @@ def _section(folder: Path, reproduction: Reproduction) -> str:
             f'src="data:image/png;base64,{data}"><figcaption>{escape(figure.caption)} Data: '
             f"<code>{escape(paper.id)}/{escape(figure.name)}.npz</code></figcaption></figure>"
         )
+    name = escape(paper.id)
+    links = [("figures", "figures")] if figures else []
+    links += [("claims", "published and measured"), ("cases", "cases")]
     return "\n".join(
         [
-            f'<h2 id="{escape(paper.id)}">{escape(paper.title)}</h2>',
+            f'<h2 id="{name}">{escape(paper.title)}</h2>',
             f'<p class="dim">{escape(paper.citation)}</p>',
             f"<p>{_summary(reproduction)}</p>",
-            "<h3>Published and measured</h3>",
-            _table(
-                ("claim", "case", "quantity", "published", "measured", "accepted", "published statement", ""),
-                [_claim_row(e) for e in reproduction.evaluations],
-            ),
-            "<h3>Figures</h3>" if figures else "",
+            "<nav>" + " ".join(f'<a href="#{name}-{key}">{text}</a>' for key, text in links) + "</nav>",
+            f'<h3 id="{name}-figures">Figures</h3>' if figures else "",
             *figures,
-            "<h3>Cases</h3>",
+            f'<h3 id="{name}-claims">Published and measured</h3>',
+            _claims(reproduction.evaluations),
+            f'<h3 id="{name}-cases">Cases</h3>',
             _table(
                 ("case", "what", "integrator", "period (s)", "duration (s)", "ended"), _case_rows(paper, reproduction)
             ),
@@ -115,23 +118,37 @@ def _summary(reproduction: Reproduction) -> str:
     held = sum(e.verdict == "reproduces" for e in stated)
     text = f"{len(claims) - reproduction.failed} of {len(claims)} claims accepted."
     if stated:
-        text += f" {held} of {len(stated)} published statements reproduce."
+        text += f" What the publication states holds in {held} of {len(stated)} comparisons."
     return text
 
 
-def _claim_row(evaluation: Evaluation) -> list[str]:
+def _claims(evaluations: Sequence[Evaluation]) -> str:
+    """One block a quantity, with a row for each case that it was measured on."""
+    rows = []
+    for name, group in groupby(evaluations, key=lambda e: e.claim.id.partition("@")[0]):
+        members = list(group)
+        claim = members[0].claim
+        note = f'<br><span class="dim">{escape(claim.note)}</span>' if claim.note else ""
+        quantity = f"{escape(claim.quantity)}{note}<br><code>{escape(name)}</code>"
+        first = f'<td class="what" rowspan="{len(members)}">{quantity}</td>'
+        for position, evaluation in enumerate(members):
+            rows.append(f"<tr>{first if position == 0 else ''}{_claim_cells(evaluation)}</tr>")
+    head = ("quantity", "case", "published", "measured", "accepted", "published statement", "")
+    return _frame(head, rows)
+
+
+def _claim_cells(evaluation: Evaluation) -> str:
     claim = evaluation.claim
-    note = f'<br><span class="dim">{escape(evaluation.note)}</span>' if evaluation.note else ""
-    return [
-        f"<code>{escape(claim.id)}</code>",
-        f"<code>{escape(claim.case)}</code>",
-        escape(claim.quantity) + note,
+    trouble = "" if evaluation.measured is not None else f"<br>{escape(evaluation.note)}"
+    cells = [
+        f"<code>{escape(claim.case)}</code>{trouble}",
         escape(number(claim.published)),
         escape(number(evaluation.measured)),
         escape(f"{number(claim.accept[0])} … {number(claim.accept[1])}"),
         _tag(evaluation.verdict, _verdict_colors.get(evaluation.verdict, "none")),
         _tag("accepted", "good") if evaluation.ok else _tag("not accepted", "bad"),
     ]
+    return _cells(cells)
 
 
 def _case_rows(paper: Paper, reproduction: Reproduction) -> list[list[str]]:
@@ -149,12 +166,17 @@ def _case_rows(paper: Paper, reproduction: Reproduction) -> list[list[str]]:
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    return _frame(head, [f"<tr>{_cells(row)}</tr>" for row in rows])
+
+
+def _frame(head: Sequence[str], rows: Sequence[str]) -> str:
     header = "".join(f"<th>{h}</th>" for h in head)
-    body = "\n".join(
-        "<tr>" + "".join(f'<td class="n">{c}</td>' if _is_number(c) else f"<td>{c}</td>" for c in r) + "</tr>"
-        for r in rows
-    )
+    body = "\n".join(rows)
     return f'<div class="wide"><table><thead><tr>{header}</tr></thead><tbody>\n{body}\n</tbody></table></div>'
+
+
+def _cells(cells: Sequence[str]) -> str:
+    return "".join(f'<td class="n">{c}</td>' if _is_number(c) else f"<td>{c}</td>" for c in cells)
 
 
 def number(value: float | str | None) -> str:

@@ -127,7 +127,9 @@ def test_the_report_holds_every_claim_and_figure_in_one_file(study: Path, tmp_pa
     page = write_report(tmp_path / "report", [reproduction])
     text = page.read_text()
     for e in reproduction.evaluations:
-        assert e.claim.id in text
+        name, _, case = e.claim.id.partition("@")
+        assert f"<code>{name}</code>" in text
+        assert not case or f"<code>{case}</code>" in text
     assert "data:image/png;base64," in text
     assert "http" not in text, "self-contained"
     folder = tmp_path / "report" / "one_wheel"
