@@ -239,7 +239,7 @@ class AllocationSolver {
       kernel_.b = s * b;
       closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(start);
       out.outer += closest.rounds + 1;
-      if (closest.attained || closest.capped) break;
+      if (closest.attained || closest.capped || !proven_out_of_reach(closest)) break;
       const S slope = closest.direction.dot(b);
       const S next = support(kernel_, closest.direction) / slope;
       lost = !(slope > S(0)) || next < S(0);
@@ -255,11 +255,14 @@ class AllocationSolver {
       return closest;
     }
     out.scale = s;
-    if (s < S(1)) {
-      closest.attained = false;
-      closest.direction = cut;
-    }
+    closest.attained = s == S(1);
+    closest.direction = cut;
     return closest;
+  }
+
+  /// A residual at the level of rounding has no direction that proves anything.
+  bool proven_out_of_reach(const Closest& closest) const noexcept {
+    return S(2) * closest.excess < residual(closest.tau).norm();
   }
 
   S robust(const Problem& p, const Torque& start, const State& state, Solution& out, bool& capped) noexcept {

@@ -118,7 +118,7 @@ class ClosestTorqueSolve {
     polished.y = p.y;
     prove(left, held_ == 0 ? left : Torque(plain.y - before), plain);
     prove(p.residual, held_ == 0 ? p.across : Torque(polished.y - before), polished);
-    out = polished.attained || (!plain.attained && polished.excess <= plain.excess) ? polished : plain;
+    out = !plain.attained && (polished.attained || polished.excess <= plain.excess) ? polished : plain;
   }
 
   /// Lower bound of the residual from the direction of `separating`.
