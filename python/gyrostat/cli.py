@@ -28,7 +28,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
-    help="""Fault-tolerant spacecraft attitude control: fly a spacecraft whose actuators fail and keep pointing.
+    help="""Fault-tolerant spacecraft attitude control: fly a spacecraft whose actuators fail, and keep it pointing.
 
 Start with `gyrostat run wheel2_degraded`, look around with `gyrostat list` and `gyrostat describe`, and compare
 published methods with `gyrostat reproduce`.""",
