@@ -16,6 +16,8 @@ using Matrix = std::vector<Vector>;  // a row each
 struct Problem {
   Matrix A;   // weighted axes times effectiveness
   Matrix D;   // weighted axes
+  Matrix A_unweighted;
+  Vector demand, row_weight;  // demand: unweighted
   Vector u, lo, up, preferred, p;
   Vector g;   // bound times effectiveness
   std::size_t rows() const { return A.size(); }
@@ -55,9 +57,9 @@ inline Real box_minimum(const Problem& q, const Vector& slope) {
   return sum;
 }
 /// max over the box of v'A t
-inline Real support(const Problem& q, const Vector& v) {
+inline Real support(const Problem& q, const Matrix& A, const Vector& v) {
   Real sum = 0;
-  const Vector reach = transposed_times(q.A, v);
+  const Vector reach = transposed_times(A, v);
   for (std::size_t i = 0; i < reach.size(); ++i) sum += std::max(reach[i] * q.lo[i], reach[i] * q.up[i]);
   return sum;
 }
@@ -82,8 +84,14 @@ inline Real scale(const Problem& q) {
 
 /// |u - A t| less the bound that v proves: |u - A t'| >= (v'u - support(v)) / |v| for every t' in the box.
 inline Real residual_excess(const Problem& q, const Vector& t, const Vector& v) {
-  const Real bound = norm(v) > 0 ? (dot(v, q.u) - support(q, v)) / norm(v) : 0;
+  const Real bound = norm(v) > 0 ? (dot(v, q.u) - support(q, q.A, v)) / norm(v) : 0;
   return norm(residual(q, t)) - std::max<Real>(bound, 0);
+}
+/// The same from a direction in unweighted torque.
+inline Real unweighted_excess(const Problem& q, const Vector& t, const Vector& direction) {
+  Vector v = direction;
+  for (std::size_t r = 0; r < v.size(); ++r) v[r] /= q.row_weight[r];
+  return residual_excess(q, t, v);
 }
 /// Effort less its bound among all t' in the box with A t' = A t.
 inline Real effort_gap(const Problem& q, const Vector& t, const Vector& y) {

@@ -2,160 +2,144 @@
 /// Every mode on random problems, judged by certificates recomputed in extended precision from the returned numbers.
 #include <gtest/gtest.h>
 
-#include "flight/allocators/problems.hpp"
+#include "flight/allocators/any_solver.hpp"
 
 namespace gyrostat::test {
 namespace {
 
 using certificate::Real;
 using certificate::Shape;
+using certificate::Vector;
 
-template <class S_>
-struct Torques {
-  using S = S_;
-  static constexpr int M = 3, N = 16;
-  static constexpr std::array actuators{3, 4, 6, 8, 12, 16};
-  static constexpr bool single = sizeof(S) < 8;
-};
-template <class S_>
-struct TorquesAndForces {
-  using S = S_;
-  static constexpr int M = 6, N = 12;
-  static constexpr std::array actuators{6, 8, 12};
-  static constexpr bool single = sizeof(S) < 8;
+struct Settings {
+  AllocationMode mode;
+  WorstCase worst_case = WorstCase::bound;
+  double least_weight = 1e4, largest_weight = 1e4, margin = 0;
 };
 
-template <class T>
-class Certificates : public testing::Test {
- public:
-  using S = typename T::S;
-  using Problem = RandomProblem<S, T::M, T::N>;
-  using Solution = AllocationSolution<S, T::M, T::N>;
-  static constexpr int count = 600;
+class Certificates : public testing::TestWithParam<Kind> {
+ protected:
+  static constexpr std::size_t count = 600;
+  bool single() const { return GetParam().single; }
 
-  /// Calls judge(problem, independent problem, solution) for every random problem of a mode.
-  template <class Pose, class Judge>
-  void on_all(Pose pose, Judge judge) {
-    Random random(20 + T::M * 100 + T::N);
-    for (int k = 0; k < count; ++k) {
-      Problem problem(random, T::actuators[std::size_t(k) % T::actuators.size()]);
-      pose(problem.problem, random);
-      const Solution solution = solve_cold(problem);
-      const certificate::Problem q = problem.judged();
-      ASSERT_EQ(certificate::box_violation(q, extended(solution.command)), 0) << "problem " << k;  // clipped, not rounded
-      ASSERT_NE(solution.status, AllocationStatus::cap_reached) << "problem " << k;
-      ASSERT_LE(solution.newton, 120) << "problem " << k;  // total cap 200
-      ASSERT_LE(solution.outer, 40) << "problem " << k;
-      judge(q, solution, k);
+  /// Random problems of 3 to 16 actuators (6 to 12 for six rows), solved cold.
+  std::vector<Outcome> solve(const Settings& settings) const {
+    const std::size_t rows = static_cast<std::size_t>(GetParam().rows);
+    const std::vector<std::size_t> actuators = rows == 3 ? std::vector<std::size_t>{3, 4, 6, 8, 12, 16} : std::vector<std::size_t>{6, 8, 12};
+    const std::unique_ptr<AnySolver> solver = GetParam().solver();
+    Random random(20);
+    std::vector<Outcome> out;
+    for (std::size_t k = 0; k < count; ++k) {
+      Posed p = random_problem(random, rows, actuators[k % actuators.size()]);
+      p.mode = settings.mode;
+      p.worst_case = settings.worst_case;
+      p.residual_weight = random.log_uniform(settings.least_weight, settings.largest_weight);
+      p.margin = settings.margin;
+      solver->reset();
+      out.push_back(solver->solve(p));
+      EXPECT_EQ(certificate::box_violation(out[k].q, out[k].command), 0) << "problem " << k;  // clipped, not rounded
+      EXPECT_NE(out[k].status, AllocationStatus::cap_reached) << "problem " << k;
+      EXPECT_LE(out[k].newton, 120) << "problem " << k;  // the cap is 200
+      EXPECT_LE(out[k].outer, 40) << "problem " << k;
     }
+    return out;
   }
 
   static Real median(std::vector<Real> values) {
     std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
     return values[values.size() / 2];
   }
+
+  void robust_gap_closes(WorstCase worst_case, Shape shape) const {
+    const Real margin = single() ? Real(0.02f) : Real(0.02);
+    std::vector<Real> gaps;
+    for (const Outcome& s : solve({AllocationMode::robust_socp, worst_case, 10, single() ? 1e4 : 1e5, 0.02})) {
+      const certificate::Spread spread(s.q.D);
+      const Real primal = certificate::robust_primal(s.q, spread, s.command, s.residual_weight, shape, margin);
+      const Real dual =
+          certificate::robust_dual(s.q, spread, s.command, s.multiplier, s.theta, s.residual_weight, shape, margin);
+      gaps.push_back((primal - dual) / primal);
+      EXPECT_GE(primal - dual, -1e-16L * primal);
+      EXPECT_LE(primal - dual, (single() ? 2e-3L : 1e-8L) * primal);
+      EXPECT_GE(s.gap, (primal - dual) - (single() ? 1e-5L : 1e-13L) * primal);  // the reported gap is honest
+    }
+    EXPECT_LE(median(gaps), single() ? 1e-5L : 1e-12L);
+  }
 };
 
-using Cases = testing::Types<Torques<double>, Torques<float>, TorquesAndForces<double>, TorquesAndForces<float>>;
-TYPED_TEST_SUITE(Certificates, Cases);
+INSTANTIATE_TEST_SUITE_P(, Certificates, testing::ValuesIn(all_kinds()), [](const auto& kind) { return name_of(kind.param); });
 
-TYPED_TEST(Certificates, ClosestTorqueIsWithinRoundingOfItsLowerBound) {
-  // Target 1e-10 (float 1e-3) of the torque scale. Rounding alone leaves n epsilon; measured 1e-15 and 4e-7.
-  const Real target = TypeParam::single ? 2e-5L : 1e-12L;
-  this->on_all([](auto& p, Random&) { p.mode = AllocationMode::lexicographic; },
-               [&](const certificate::Problem& q, const auto& s, int k) {
-                 const Real scale = certificate::scale(q);
-                 const certificate::Vector t = extended(s.command), r = certificate::residual(q, t);
-                 const Real excess = s.status == AllocationStatus::optimal ? certificate::norm(r) : certificate::residual_excess(q, t, r);
-                 EXPECT_LE(std::min(excess, certificate::norm(r)), target * scale) << k;
-                 EXPECT_GE(excess, -1e-15L * scale) << k;  // a bound above the value would be no bound
-               });
+TEST_P(Certificates, ClosestTorqueIsWithinRoundingOfItsLowerBound) {
+  // Of the torque scale. Rounding alone leaves n epsilon (4e-15, 2e-6), times the condition of the unclipped actuators.
+  const Real target = single() ? 1e-4L : 1e-11L;
+  for (const Outcome& s : solve({AllocationMode::lexicographic})) {
+    const Real scale = certificate::scale(s.q);
+    const Vector r = certificate::residual(s.q, s.command);
+    const Real excess = std::min(certificate::residual_excess(s.q, s.command, r),
+                                 certificate::unweighted_excess(s.q, s.command, s.infeasibility_direction));
+    EXPECT_LE(excess, target * scale);
+    EXPECT_GE(excess, -1e-15L * scale);  // a bound above the value would be no bound
+  }
 }
 
-TYPED_TEST(Certificates, ClosestTorqueCostsLeastEffort) {
-  const Real target = TypeParam::single ? 2e-5L : 1e-12L;  // of the effort of all limits; measured 1e-7 and 1e-17
-  this->on_all([](auto& p, Random&) { p.mode = AllocationMode::lexicographic; },
-               [&](const certificate::Problem& q, const auto& s, int k) {
-                 const Real gap = certificate::effort_gap(q, extended(s.command), extended(s.multiplier));
-                 const Real size = certificate::effort(q, q.up) + certificate::effort(q, q.lo);
-                 EXPECT_LE(gap, target * size) << k;
-                 EXPECT_GE(gap, -(TypeParam::single ? 1e-12L : 1e-17L) * size * (1 + certificate::norm(extended(s.multiplier)))) << k;
-               });
+TEST_P(Certificates, ClosestTorqueCostsLeastEffort) {
+  // Of the effort at the limits. Measured 1e-7 and 1e-12, where multipliers of 1e7 meet unclipped actuators.
+  const Real target = single() ? 2e-5L : 1e-10L;
+  for (const Outcome& s : solve({AllocationMode::lexicographic})) {
+    const Real gap = certificate::effort_gap(s.q, s.command, s.multiplier);
+    const Real size = certificate::effort(s.q, s.q.up) + certificate::effort(s.q, s.q.lo);
+    const Real y = certificate::norm(s.multiplier), rounding = GetParam().epsilon() * y * certificate::norm(s.q.up);
+    EXPECT_LE(gap, target * size + rounding);  // the multiplier itself is rounded
+    EXPECT_GE(gap, -1e-17L * size * (1 + y));
+  }
 }
 
-TYPED_TEST(Certificates, UnreachableDemandsCarryAProof) {
-  int unreachable = 0;
-  this->on_all([](auto& p, Random&) { p.mode = AllocationMode::lexicographic; },
-               [&](const certificate::Problem& q, const auto& s, int k) {
-                 const certificate::Vector t = extended(s.command);
-                 if (s.status != AllocationStatus::optimal_reduced || s.infeasibility_direction.squaredNorm() == 0) return;
-                 ++unreachable;
-                 // v'demand > max v'D e t in unweighted rows: the weighted direction is W^-1 v, here read off the residual.
-                 certificate::Vector v = certificate::residual(q, t);
-                 EXPECT_GT(certificate::dot(v, q.u), certificate::support(q, v)) << k;
-               });
-  EXPECT_GT(unreachable, this->count / 10);
+TEST_P(Certificates, UnreachableDemandsCarryAProof) {
+  std::size_t proofs = 0;
+  for (const Outcome& s : solve({AllocationMode::lexicographic})) {
+    const Vector& v = s.infeasibility_direction;
+    if (certificate::norm(v) == 0) continue;
+    ++proofs;
+    EXPECT_EQ(s.status, AllocationStatus::optimal_reduced);
+    EXPECT_GT(certificate::dot(v, s.q.demand), certificate::support(s.q, s.q.A_unweighted, v));
+  }
+  EXPECT_GT(proofs, count / 5);
 }
 
-TYPED_TEST(Certificates, WeightedLeastSquaresClosesItsGap) {
-  const Real gamma = TypeParam::single ? 1e4L : 1e6L;
+TEST_P(Certificates, WeightedLeastSquaresClosesItsGap) {
+  const double gamma = single() ? 1e4 : 1e6;
   std::vector<Real> gaps;
-  this->on_all(
-      [&](auto& p, Random&) {
-        p.mode = AllocationMode::weighted_least_squares;
-        p.residual_weight = static_cast<typename TypeParam::S>(gamma);
-      },
-      [&](const certificate::Problem& q, const auto& s, int k) {
-        const Real primal = certificate::wls_primal(q, extended(s.command), s.residual_weight);
-        const Real gap = primal - certificate::wls_dual(q, extended(s.multiplier), s.residual_weight);
-        gaps.push_back(gap / primal);
-        EXPECT_GE(gap, -1e-17L * (1 + primal)) << k;  // long double rounding
-        EXPECT_LE(gap, (TypeParam::single ? 2e-3L : 1e-12L) * primal) << k;
-        EXPECT_NEAR(s.primal, static_cast<double>(primal), (TypeParam::single ? 1e-4 : 1e-11) * static_cast<double>(primal)) << k;
-      });
-  EXPECT_LE(this->median(gaps), TypeParam::single ? 1e-5L : 1e-15L);
+  for (const Outcome& s : solve({AllocationMode::weighted_least_squares, WorstCase::bound, gamma, gamma})) {
+    const Real primal = certificate::wls_primal(s.q, s.command, s.residual_weight);
+    const Real gap = primal - certificate::wls_dual(s.q, s.multiplier, s.residual_weight);
+    gaps.push_back(gap / primal);
+    EXPECT_GE(gap, -1e-18L * (1 + certificate::norm(s.multiplier)));  // rounding of the dual itself
+    EXPECT_LE(gap, (single() ? 2e-3L : 1e-12L) * primal);
+    EXPECT_LE(std::abs(s.primal - primal), (single() ? 1e-4L : 1e-11L) * primal);
+  }
+  EXPECT_LE(median(gaps), single() ? 1e-5L : 1e-15L);
 }
 
-template <class T, class Fixture>
-void robust_gap_closes(Fixture& fixture, WorstCase worst_case, Shape shape) {
-  using S = typename T::S;
-  std::vector<Real> gaps;
-  fixture.on_all(
-      [&](auto& p, Random& random) {
-        p.mode = AllocationMode::robust_socp;
-        p.worst_case = worst_case;
-        p.residual_weight = S(random.log_uniform(10, T::single ? 1e4 : 1e5));
-        p.margin = S(0.02);
-      },
-      [&](const certificate::Problem& q, const auto& s, int k) {
-        const certificate::Spread spread(q.D);
-        const certificate::Vector t = extended(s.command), y = extended(s.multiplier);
-        const Real primal = certificate::robust_primal(q, spread, t, s.residual_weight, shape, S(0.02));
-        const Real dual = certificate::robust_dual(q, spread, t, y, s.theta, s.residual_weight, shape, S(0.02));
-        gaps.push_back((primal - dual) / primal);
-        EXPECT_GE(primal - dual, -1e-16L * primal) << k;
-        EXPECT_LE(primal - dual, (T::single ? 2e-3L : 1e-8L) * primal) << k;
-        EXPECT_GE(static_cast<Real>(s.gap), (primal - dual) - (T::single ? 1e-5L : 1e-13L) * primal) << k;  // the reported gap is honest
-      });
-  EXPECT_LE(fixture.median(gaps), T::single ? 1e-5L : 1e-12L);
-}
+TEST_P(Certificates, RobustBoundClosesItsGap) { robust_gap_closes(WorstCase::bound, Shape::bound); }
+TEST_P(Certificates, RobustExactClosesItsGap) { robust_gap_closes(WorstCase::exact, Shape::exact); }
+TEST_P(Certificates, ConstantMarginClosesItsGap) { robust_gap_closes(WorstCase::paper_constant, Shape::constant); }
 
-TYPED_TEST(Certificates, RobustBoundClosesItsGap) { robust_gap_closes<TypeParam>(*this, WorstCase::bound, Shape::bound); }
-TYPED_TEST(Certificates, RobustExactClosesItsGap) { robust_gap_closes<TypeParam>(*this, WorstCase::exact, Shape::exact); }
-TYPED_TEST(Certificates, ConstantMarginClosesItsGap) { robust_gap_closes<TypeParam>(*this, WorstCase::paper_constant, Shape::constant); }
-
-TYPED_TEST(Certificates, ScaledShareIsProvenByACut) {
-  const Real target = TypeParam::single ? 2e-4L : 1e-11L;
-  int reduced = 0;
-  this->on_all([](auto& p, Random&) { p.mode = AllocationMode::lexicographic_scaled; },
-               [&](const certificate::Problem& q, const auto& s, int k) {
-                 certificate::Vector r = certificate::residual(q, extended(s.command));
-                 for (std::size_t j = 0; j < r.size(); ++j) r[j] -= (1 - Real(s.scale)) * q.u[j];
-                 EXPECT_LE(certificate::norm(r), target * certificate::scale(q)) << k;  // delivered = scale * demand
-                 EXPECT_LE(s.scale, 1) << k;
-                 reduced += s.scale < 1 ? 1 : 0;
-               });
-  EXPECT_GT(reduced, this->count / 10);
+TEST_P(Certificates, ScaledShareIsTheLargestOne) {
+  const Real target = single() ? 1e-4L : 1e-10L;
+  std::size_t reduced = 0;
+  for (const Outcome& s : solve({AllocationMode::lexicographic_scaled})) {
+    EXPECT_EQ(s.warnings & AllocationWarning::direction_lost, 0);  // zero torque is in every box here
+    Vector r = certificate::residual(s.q, s.command);
+    for (std::size_t j = 0; j < r.size(); ++j) r[j] -= (1 - s.scale) * s.q.u[j];
+    EXPECT_LE(certificate::norm(r), target * certificate::scale(s.q));  // what is delivered: scale * demand
+    EXPECT_LE(s.scale, 1);
+    if (certificate::norm(s.infeasibility_direction) == 0) continue;
+    ++reduced;
+    const Vector& v = s.infeasibility_direction;  // no share above this one can be had
+    const Real largest = certificate::support(s.q, s.q.A_unweighted, v) / certificate::dot(v, s.q.demand);
+    EXPECT_NEAR(static_cast<double>(s.scale), static_cast<double>(largest), single() ? 1e-4 : 1e-10);
+  }
+  EXPECT_GT(reduced, count / 5);
 }
 
 }  // namespace

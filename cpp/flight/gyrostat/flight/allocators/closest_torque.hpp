@@ -38,6 +38,7 @@ struct ClosestTorque {
   int rounds = 0;
   Torque direction = Torque::Zero();  ///< separates demand and attainable set
   S excess = S(0);                    ///< residual less its proven lower bound
+  S effort_gap = S(0);                ///< effort less its lower bound at the torque delivered
 };
 
 /// One solve for the demand in `k.b`, in the scaled units of the kernel.
@@ -57,7 +58,7 @@ class ClosestTorqueSolve {
     S trace = S(0);
     for (int i = 0; i < k.n; ++i) trace += k.compliance[std::size_t(i)] * k.a[std::size_t(i)].squaredNorm();
     S delta = (single ? S(1e-3) : S(1e-6)) * (trace > S(0) ? trace / S(M) : S(1));
-    const S smallest = delta * (single ? S(1e-2) : S(1e-4));
+    const S smallest = delta * S(1e-4);
     Torque y = start;
     for (; out.rounds < 10; ++out.rounds) {
       if (exactly(y)) {
@@ -71,7 +72,7 @@ class ClosestTorqueSolve {
       out.capped = k.steps >= cap_;
       judge(before, out);
       y = k.y();
-      if (out.attained || out.capped || out.excess <= excess_tolerance()) return out;
+      if (out.attained || out.capped || (out.excess <= excess_tolerance() && out.effort_gap <= effort_tolerance())) return out;
       delta = std::max(delta / S(10), smallest);
     }
     return out;
@@ -80,6 +81,7 @@ class ClosestTorqueSolve {
  private:
   static constexpr bool single = sizeof(S) < 8;
   S excess_tolerance() const noexcept { return (single ? S(4e-7) : S(1e-13)) * size_; }
+  static constexpr S effort_tolerance() noexcept { return single ? S(1e-6) : S(1e-13); }
   int budget() const noexcept { return std::min(cap_, k.steps + 60); }
 
   /// R = 0: succeeds when the demand is attained.
@@ -118,7 +120,21 @@ class ClosestTorqueSolve {
     polished.y = p.y;
     prove(left, held_ == 0 ? left : Torque(plain.y - before), plain);
     prove(p.residual, held_ == 0 ? p.across : Torque(polished.y - before), polished);
-    out = !plain.attained && (polished.attained || polished.excess <= plain.excess) ? polished : plain;
+    polished.effort_gap = effort_gap(polished);
+    const bool better = !plain.attained && (polished.attained || polished.excess <= plain.excess);
+    out = better && polished.effort_gap <= S(1e3) * effort_tolerance() ? polished : plain;
+  }
+
+  /// Of a command that is not tau(y) exactly: its effort less the lower bound that y proves, from terms that are never negative.
+  S effort_gap(const Result& r) const noexcept {
+    S sum = S(0);
+    for (int i = 0; i < k.n; ++i) {
+      const std::size_t j = std::size_t(i);
+      const S z = k.preferred[j] + k.compliance[j] * k.a[j].dot(r.y);
+      const S best = std::min(std::max(z, k.lo[j]), k.up[j]);
+      sum += (r.tau[j] - best) * (r.tau[j] + best - S(2) * z) / (S(2) * k.compliance[j]);
+    }
+    return sum;
   }
 
   /// Lower bound of the residual from the direction of `separating`.

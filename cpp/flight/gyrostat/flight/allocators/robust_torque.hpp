@@ -59,13 +59,14 @@ struct RobustTorque {
       if (std::abs(f) <= tolerance * (split + worst) || (theta == S(1) && f <= S(0))) return theta;
       if (f > S(0) ? theta <= S(1e-10) : theta >= S(1) - S(2) * edge) return theta;
       (f > S(0) ? up : lo) = theta;
-      if (up - lo <= std::numeric_limits<S>::epsilon() * up) return theta;
+      if (up - lo <= tolerance * lo * (S(1) - lo)) return theta;
       const S middle = logistic((logit(std::max(lo, S(1e-10))) + logit(std::min(up, S(1) - edge))) / S(2));
       if (theta == S(1)) {
         theta = postponed > lo ? postponed : middle;
         continue;
       }
       const S step = newton(k, theta, Sy, ySy, worst);
+      if (std::abs(step) <= S(10) * tolerance) return theta;  // rounding of y may keep f above its own tolerance
       const S next = logistic(logit(theta) + std::clamp(step, S(-8), S(8)));
       const bool usable = std::isfinite(step) && next > lo && next < up && !(outer > 10 && outer % 2 == 0);
       if (step > S(6) && up == S(1) && !tried_one) {

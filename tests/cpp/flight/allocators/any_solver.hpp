@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+/// @file  The allocation solver behind one interface, whatever its scalar and size: the tests on it are written once, and the
+///        solver's templates are compiled once.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "flight/allocators/certificate.hpp"
+#include "gyrostat/flight/allocators/allocation_problem.hpp"
+#include "random.hpp"
+
+namespace gyrostat::test {
+
+using Numbers = std::vector<double>;
+
+/// One allocation, in double; rounded to the solver's scalar when it is solved.
+struct Posed {
+  std::vector<Numbers> D;  // a row each
+  Numbers row_weight, demand;
+  Numbers effectiveness, lo, up, preferred, effort_weight, bound;
+  AllocationMode mode = AllocationMode::lexicographic;
+  WorstCase worst_case = WorstCase::bound;
+  double residual_weight = 1e4, margin = 0;
+  std::vector<int> priority;
+
+  std::size_t rows() const { return D.size(); }
+  std::size_t actuators() const { return D[0].size(); }
+
+  /// n healthy actuators of known effectiveness within +- limit.
+  static Posed with_axes(std::vector<Numbers> D, double limit) {
+    Posed p;
+    const std::size_t n = D[0].size();
+    p.row_weight.assign(D.size(), 1);
+    p.demand.assign(D.size(), 0);
+    p.priority.assign(D.size(), 0);
+    p.D = std::move(D);
+    p.effectiveness.assign(n, 1);
+    p.lo.assign(n, -limit);
+    p.up.assign(n, limit);
+    p.preferred.assign(n, 0);
+    p.effort_weight.assign(n, 1);
+    p.bound.assign(n, 0);
+    return p;
+  }
+};
+
+struct Outcome {
+  certificate::Problem q;  // what was solved, as the solver's scalar rounded it
+  certificate::Vector command, achieved, multiplier, infeasibility_direction;
+  certificate::Real theta, scale, primal, gap, worst_case, residual_norm, residual_excess, residual_weight;
+  std::uint32_t saturated;
+  int newton, outer;
+  AllocationStatus status;
+  std::uint8_t warnings;
+};
+
+/// Keeps its warm start between calls.
+class AnySolver {
+ public:
+  virtual ~AnySolver() = default;
+  virtual Outcome solve(const Posed& posed) = 0;
+  virtual void reset() = 0;
+  /// Puts numbers into the warm start that no solve would leave there.
+  virtual void spoil(double multiplier, double theta, AllocationMode mode) = 0;
+  /// The warm start, to see whether it was touched.
+  virtual Numbers state() const = 0;
+};
+
+/// A solver's scalar and size; the parameter of the typed tests.
+struct Kind {
+  std::string name;
+  bool single;
+  int rows;
+  std::unique_ptr<AnySolver> solver() const;
+  /// Rounding of the scalar.
+  double epsilon() const { return single ? 1.2e-7 : 2.3e-16; }
+};
+inline std::string name_of(const Kind& kind) { return kind.name; }
+std::vector<Kind> all_kinds();
+std::vector<Kind> kinds_of_three_rows();
+
+/// Half of the demands lie inside the attainable set, the others well outside or near its edge; a tenth of the actuators is
+/// dead, the others keep 20 % or more.
+inline Posed random_problem(Random& random, std::size_t rows, std::size_t n) {
+  std::vector<Numbers> D(rows, Numbers(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    double norm = 0;
+    for (Numbers& row : D) norm += (row[i] = random.uniform(-1, 1)) * row[i];
+    for (Numbers& row : D) row[i] /= std::sqrt(norm);
+  }
+  Posed p = Posed::with_axes(D, 0);
+  const bool weighted = random.uniform(0, 1) < 0.3, preferring = random.uniform(0, 1) < 0.3;
+  for (double& w : p.row_weight) w = weighted ? random.log_uniform(0.5, 2) : 1;
+  const double kind = random.uniform(0, 1), far = kind < 0.5 ? 1 : kind < 0.8 ? random.uniform(1, 3) : 1.02;
+  for (std::size_t i = 0; i < n; ++i) {
+    p.effectiveness[i] = random.uniform(0, 1) < 0.1 ? 0 : random.uniform(0.2, 1);
+    p.up[i] = random.uniform(0.1, 0.3);
+    p.lo[i] = -random.uniform(0.1, 0.3);
+    p.effort_weight[i] = random.log_uniform(0.3, 3);
+    p.preferred[i] = preferring ? random.uniform(-0.1, 0.1) : 0;
+    p.bound[i] = random.uniform(0, 0.3);
+    const double t = kind >= 0.5 ? (random.uniform(0, 1) < 0.5 ? -1 : 1) : random.uniform(-1, 1);
+    for (std::size_t r = 0; r < rows; ++r) p.demand[r] += D[r][i] * p.effectiveness[i] * far * t * (t > 0 ? p.up[i] : -p.lo[i]);
+  }
+  return p;
+}
+
+}  // namespace gyrostat::test
