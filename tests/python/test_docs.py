@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 
 import gyrostat as gs
@@ -18,9 +19,9 @@ import gyrostat as gs
 ROOT = Path(__file__).parents[2]
 
 
-def _load() -> ModuleType:
-    path = str(ROOT / "scripts" / "docs")
-    spec = importlib.util.spec_from_loader("docs_script", SourceFileLoader("docs_script", path))
+def _load(path: str) -> ModuleType:
+    name = path.replace("/", "_")
+    spec = importlib.util.spec_from_loader(name, SourceFileLoader(name, str(ROOT / path)))
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -28,7 +29,7 @@ def _load() -> ModuleType:
     return module
 
 
-docs = _load()
+docs = _load("scripts/docs")
 PAGES = docs.pages()
 
 
@@ -77,6 +78,21 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert target.exists(), f"{name(page)} links to {link}"
         if anchor:
             assert anchor in heading_anchors(target), f"{name(page)} links to {link}"
+
+
+def test_pages_that_the_code_names_exist() -> None:
+    sources = [p for layer in ("cpp", "bindings", "python", "examples") for p in (ROOT / layer).rglob("*.[chpt]*")]
+    for source in sources:
+        for named in re.findall(r"docs/[\w/]+\.md", source.read_text(encoding="utf-8", errors="ignore")):
+            assert (ROOT / named).exists(), f"{name(source)} names {named}"
+
+
+def test_the_figure_shows_what_the_scenario_does() -> None:
+    drawn = _load("docs/figures/wheel2_degraded.py").draw().data
+    with np.load(ROOT / "docs" / "figures" / "wheel2_degraded.npz") as saved:
+        for signal, values in drawn.items():
+            # 1e-3 of the largest value: nothing the eye could see; another compiler moves far less
+            np.testing.assert_allclose(saved[signal], values, rtol=0, atol=1e-3 * np.abs(values).max(), err_msg=signal)
 
 
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=name)
