@@ -49,7 +49,7 @@ format: $(VENV)/test.stamp  ## format everything
 	@$(BIN)/ruff format --quiet
 	@$(BIN)/clang-format -i $(CPP)
 
-stubs: $(VENV)/package.stamp $(VENV)/test.stamp  ## write python/gyrostat/_core.pyi anew
+stubs: $(VENV)/package.stamp $(VENV)/test.stamp  ## write the type stubs of the compiled module and of the catalogue's modules
 	@scripts/stubs $(BIN)
 
 bench: debian-bench  ## benchmarks; each prints its table
