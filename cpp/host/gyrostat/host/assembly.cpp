@@ -2,7 +2,6 @@
 #include "gyrostat/host/assembly.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <cmath>
 #include <stdexcept>
 
@@ -67,6 +66,11 @@ ComponentSpec component(const Table& table, const std::string& where, const std:
   return {where + " '" + type + "'", type, table};
 }
 
+/// Of a symmetric matrix, ascending.
+Vec3<double> eigenvalues(const Mat3<double>& m) {
+  return Eigen::SelfAdjointEigenSolver<Mat3<double>>(m, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
 void check_inertia(const Mat3<double>& J, const std::string& where) {
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < r; ++c) {
@@ -76,7 +80,7 @@ void check_inertia(const Mat3<double>& J, const std::string& where) {
       }
     }
   }
-  const Vec3<double> I = Eigen::SelfAdjointEigenSolver<Mat3<double>>(J).eigenvalues();  // ascending
+  const Vec3<double> I = eigenvalues(J);
   if (!(I[0] > 0)) refuse(where + " is not positive definite: smallest principal moment " + number_text(I[0]) + " kg m^2, must be > 0");
   if (I[0] + I[1] < I[2] * (1 - 1e-9)) {
     refuse(where + " is no inertia of a body: principal moments " + number_text(I[0]) + " + " + number_text(I[1]) + " < " +
@@ -85,11 +89,11 @@ void check_inertia(const Mat3<double>& J, const std::string& where) {
 }
 
 void check_rank(const Mat3N<double>& D, const std::string& where) {
-  const Eigen::MatrixXd full = D;
-  const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(full).singularValues();
-  const double smallest = s.size() < 3 ? 0.0 : s[2];
-  if (!(smallest > 1e-9 * s[0])) {
-    refuse(where + " is rank-deficient: singular values " + number_text(s[0]) + " ... " + number_text(smallest) +
+  Mat3<double> squares = Mat3<double>::Zero();
+  for (Eigen::Index i = 0; i < D.cols(); ++i) squares += D.col(i) * D.col(i).transpose();
+  const Vec3<double> s = eigenvalues(squares).cwiseMax(0.0).cwiseSqrt();
+  if (!(s[0] > 1e-6 * s[2])) {
+    refuse(where + " is rank-deficient: singular values " + number_text(s[2]) + " ... " + number_text(s[0]) +
            "; at least three independent actuator axes are needed");
   }
 }
@@ -149,7 +153,7 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
     }
   }
   vehicle.J_B = v.J_B - wheel_inertia_sum(v.D_B, wheel_inertia);
-  if (!(Eigen::SelfAdjointEigenSolver<Mat3<double>>(vehicle.J_B).eigenvalues()[0] > 0)) {
+  if (!(eigenvalues(vehicle.J_B)[0] > 0)) {
     refuse("vehicle: J_B (of the whole vehicle) less the wheels' axial inertia is not positive definite; is J_B without the wheels?");
   }
 }
