@@ -90,7 +90,7 @@ def test_the_figures_show_what_the_claims_say(report: Path) -> None:
     np.testing.assert_allclose(attitude["x: MRP, table1"][0], -0.1579, rtol=1e-12)
     assert attitude["t"][[0, -1]].tolist() == [0.0, 150.0]
     assert np.abs(attitude["x: MRP, table1"][-1]) < 1e-7
-    assert np.abs(attitude["x: MRP, table1_spd_soft"][-1]) > 1e-3
+    assert attitude["largest: MRP, table1_spd_soft"][attitude["t"] > 100.0].max() > 1e-2
     assert data(report, "fig8")["command 1 (N m), table2_command_limit"].min() == -0.25
     assert data(report, "fig8")["command 1 (N m), table2_output_limit"].min() < -0.9
     z1 = data(report, "fig1")
