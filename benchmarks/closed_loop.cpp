@@ -33,7 +33,8 @@ auto static_ftc(const Assembly& a) {
   return static_stack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(a);
 }
 auto static_li2018(const Assembly& a) {
-  return static_stack<FiniteTimeDisturbanceObserver<double>, NoDetector<double>, IntegralSlidingMode<double>, PseudoInverse<double>>(a);
+  return static_stack<FiniteTimeDisturbanceObserver<double>, NoDetector<double>, IntegralSlidingMode<double>,
+                      PseudoInverse<double>>(a);
 }
 auto erased(const Assembly& a) { return host::make_stack(a, {}); }
 
@@ -64,8 +65,8 @@ void flight_step(benchmark::State& state, const Table& scenario, Make make) {
     stack.reset();
     for (const Measurement<double>& y : tape.y) benchmark::DoNotOptimize(stack.step(y, ref).u.data());
   }
-  state.counters["per_step"] = benchmark::Counter(static_cast<double>(tape.y.size()),
-                                                  benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_step"] = benchmark::Counter(
+      static_cast<double>(tape.y.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 /// Simulated seconds a CPU second: the whole loop, nothing recorded.
@@ -76,21 +77,22 @@ void closed_loop(benchmark::State& state, const Table& scenario, Make make) {
     auto stack = make(a);
     if (run(a, stack).code != host::RunEnd::Code::completed) state.SkipWithError("the run did not complete");
   }
-  state.counters["simulated_s_per_s"] = benchmark::Counter(a.run.duration, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["simulated_s_per_s"] =
+      benchmark::Counter(a.run.duration, benchmark::Counter::kIsIterationInvariantRate);
 }
 
 const auto make_erased = [](const Assembly& a) { return erased(a); };
 const auto make_static_ftc = [](const Assembly& a) { return static_ftc(a); };
 const auto make_static_li2018 = [](const Assembly& a) { return static_li2018(a); };
 
-BENCHMARK_CAPTURE(flight_step, ftc_4rw/erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(flight_step, ftc_4rw/static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(flight_step, li2018/erased, li2018_table1(20), make_erased)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(flight_step, li2018/static, li2018_table1(20), make_static_li2018)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4/erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4/static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(closed_loop, ftc_4rw_cvode/erased, ftc_4rw("cvode"), make_erased)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(closed_loop, li2018_rk4/erased, li2018_table1(60), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, ftc_4rw / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, ftc_4rw / static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, li2018 / erased, li2018_table1(20), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, li2018 / static, li2018_table1(20), make_static_li2018)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4 / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4 / static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, ftc_4rw_cvode / erased, ftc_4rw("cvode"), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(closed_loop, li2018_rk4 / erased, li2018_table1(60), make_erased)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace gyrostat::bench

@@ -103,9 +103,9 @@ def _page(reproductions: Sequence[Reproduction], sections: Sequence[str]) -> str
 <title>gyrostat: published and measured</title>
 <style>{_style}</style>
 <h1>Published and measured</h1>
-<p class="dim">gyrostat {escape(__version__)}. A claim is accepted when the measured value lies in the range stated in
-advance; the published statement is judged apart from that, so an accepted claim can show that a statement does not
-hold. Every number comes from the runs of this report.</p>
+<p class="dim">gyrostat {escape(__version__)}. A claim is accepted when the measured value lies in the stated range;
+each paper's page says where its ranges come from. The published statement is judged apart from that, so an accepted
+claim can show that a statement does not hold. Every number comes from the runs of this report.</p>
 <nav>{links}</nav>
 {"".join(sections)}
 </html>

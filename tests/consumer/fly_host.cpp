@@ -16,9 +16,10 @@ namespace gh = gyrostat::host;
 gh::Table scenario(double k_q) {
   return {{"duration", 60.0},
           {"dt", 0.01},
-          {"vehicle", gh::Table{{"J_B", gh::List{20.0, 17.0, 15.0}},
-                                {"D_B", gh::List{gh::List{1.0, 0.0, 0.0}, gh::List{0.0, 1.0, 0.0}, gh::List{0.0, 0.0, 1.0}}},
-                                {"u_max", 0.5}}},
+          {"vehicle",
+           gh::Table{{"J_B", gh::List{20.0, 17.0, 15.0}},
+                     {"D_B", gh::List{gh::List{1.0, 0.0, 0.0}, gh::List{0.0, 1.0, 0.0}, gh::List{0.0, 0.0, 1.0}}},
+                     {"u_max", 0.5}}},
           {"initial", gh::Table{{"mrp", gh::List{0.1, 0.1, -0.1}}}},
           {"controller", gh::Table{{"type", "consumer_quaternion"}, {"k_q", k_q}}}};
 }

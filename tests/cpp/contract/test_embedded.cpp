@@ -85,7 +85,9 @@ TEST(EmbeddedCounters, NoticeAnAllocation) {  // the test above can fail
   int* volatile heap_int = new int(3);  // volatile: the compiler may drop an unused allocation
   delete heap_int;
   Eigen::internal::set_is_malloc_allowed(false);
-  { const Eigen::MatrixXd heap = Eigen::MatrixXd::Zero(20, 20); }
+  {
+    const Eigen::MatrixXd heap = Eigen::MatrixXd::Zero(20, 20);
+  }
   Eigen::internal::set_is_malloc_allowed(true);
   EXPECT_EQ(allocations - before, 1);
   EXPECT_GT(eigen_failures - failed, 0);

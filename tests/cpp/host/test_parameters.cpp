@@ -9,7 +9,6 @@
 namespace gyrostat::host {
 namespace {
 
-
 struct Params {
   enum class Method : std::uint8_t { implicit_root, explicit_euler };
   double bandwidth = 2;
@@ -64,7 +63,8 @@ TEST(Parameters, OneNumberFillsAVectorAndADiagonal) {
 
 TEST(Parameters, WaveformsMayBeNumbersOrTables) {
   EXPECT_EQ(read_from({{"remaining", 0.25}}).remaining(7.0), 0.25);
-  const Params p = read_from({{"remaining", Table{{"type", "sine"}, {"offset", 0.5}, {"amplitude", 0.1}, {"omega", 2.0}}}});
+  const Params p =
+      read_from({{"remaining", Table{{"type", "sine"}, {"offset", 0.5}, {"amplitude", 0.1}, {"omega", 2.0}}}});
   EXPECT_DOUBLE_EQ(p.remaining(0.3), 0.5 + 0.1 * std::sin(0.6));
 }
 
@@ -86,12 +86,25 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"fraction", {{"substeps", 1.5}}, "observer 'mine': substeps = 1.5 must be a whole number"},
         Bad{"number_for_bool", {{"adapt", 1}}, "observer 'mine': adapt = 1 is an integer; true or false belongs here"},
         Bad{"option", {{"method", "rk4"}}, "observer 'mine': method = 'rk4' is not one of: implicit, explicit_euler"},
-        Bad{"short_vector", {{"gain", List{1, 2}}}, "observer 'mine': gain = [1, 2] must be a number or a list of 3 numbers, not 2 entries"},
-        Bad{"wrong_count", {{"limit", List{1, 2, 3}}}, "observer 'mine': limit = [1, 2, 3] must be a number or a list of 4 numbers, one an actuator, not 3 entries"},
-        Bad{"zero_quaternion", {{"q", List{0, 0, 0, 0}}}, "observer 'mine': q = [0, 0, 0, 0] is zero and names no attitude"},
-        Bad{"long_quaternion", {{"q", List{1, 1, 0, 0}}}, "observer 'mine': q = [1, 1, 0, 0] has norm 1.41421; a unit quaternion belongs here (within 1e-3)"},
-        Bad{"waveform_type", {{"remaining", Table{{"type", "cosine"}}}}, "observer 'mine': remaining: no waveform 'cosine', did you mean 'sine'?"},
-        Bad{"waveform_key", {{"remaining", Table{{"type", "sine"}, {"freq", 1}}}}, "observer 'mine': remaining: no parameter 'freq'; there are: offset, amplitude, omega, phase"}),
+        Bad{"short_vector",
+            {{"gain", List{1, 2}}},
+            "observer 'mine': gain = [1, 2] must be a number or a list of 3 numbers, not 2 entries"},
+        Bad{"wrong_count",
+            {{"limit", List{1, 2, 3}}},
+            "observer 'mine': limit = [1, 2, 3] must be a number or a list of 4 numbers, one an actuator, not 3 "
+            "entries"},
+        Bad{"zero_quaternion",
+            {{"q", List{0, 0, 0, 0}}},
+            "observer 'mine': q = [0, 0, 0, 0] is zero and names no attitude"},
+        Bad{"long_quaternion",
+            {{"q", List{1, 1, 0, 0}}},
+            "observer 'mine': q = [1, 1, 0, 0] has norm 1.41421; a unit quaternion belongs here (within 1e-3)"},
+        Bad{"waveform_type",
+            {{"remaining", Table{{"type", "cosine"}}}},
+            "observer 'mine': remaining: no waveform 'cosine', did you mean 'sine'?"},
+        Bad{"waveform_key",
+            {{"remaining", Table{{"type", "sine"}, {"freq", 1}}}},
+            "observer 'mine': remaining: no parameter 'freq'; there are: offset, amplitude, omega, phase"}),
     [](const auto& info) { return info.param.why; });
 
 TEST_P(BadParameters, GiveOneLineThatSaysWhatWhereAndWhatIsAllowed) {

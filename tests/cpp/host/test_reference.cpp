@@ -13,9 +13,18 @@ using V3 = Vec3<double>;
 
 const ReferenceSpec moving[] = {
     Slew{.from = V3(0.1, -0.2, 0.3), .to = V3(-0.4, 0.5, 1.2), .start = 0.5, .duration = 4},
-    MrpSine{.offset = V3(0.1, 0, -0.05), .amplitude = V3(0.1, 0.1, 0.1), .frequency = V3(0.8, 0.6, 0.7), .phase = V3(0, 1, 2)},
-    EulerSine{.offset = V3(2, 0, 0), .amplitude = V3(0, 0.3, 0.5), .frequency = V3(0, 1, 2), .phase = V3(0, 0.4, std::numbers::pi / 2)},
-    RateSine{.euler = V3(0.1, -0.1, 0.1), .amplitude = V3(0.02, 0.02, 0.02), .frequency = V3(0.08, 0.08, 0.08), .phase = V3(0, std::numbers::pi / 2, 1)},
+    MrpSine{.offset = V3(0.1, 0, -0.05),
+            .amplitude = V3(0.1, 0.1, 0.1),
+            .frequency = V3(0.8, 0.6, 0.7),
+            .phase = V3(0, 1, 2)},
+    EulerSine{.offset = V3(2, 0, 0),
+              .amplitude = V3(0, 0.3, 0.5),
+              .frequency = V3(0, 1, 2),
+              .phase = V3(0, 0.4, std::numbers::pi / 2)},
+    RateSine{.euler = V3(0.1, -0.1, 0.1),
+             .amplitude = V3(0.02, 0.02, 0.02),
+             .frequency = V3(0.08, 0.08, 0.08),
+             .phase = V3(0, std::numbers::pi / 2, 1)},
 };
 
 class MovingReference : public testing::TestWithParam<ReferenceSpec> {};
@@ -94,7 +103,8 @@ TEST(Hold, TakesOneWayToSayTheAttitude) {
 
 TEST(Steps, RefuseWhatDoesNotFit) {
   EXPECT_THROW(ReferencePath(Steps{.times = {0, 1}, .euler = {{0, 0, 0}}, .mrp = {}}, 0.1), std::invalid_argument);
-  EXPECT_THROW(ReferencePath(Steps{.times = {1, 0}, .euler = {{0, 0, 0}, {0, 0, 1}}, .mrp = {}}, 0.1), std::invalid_argument);
+  EXPECT_THROW(ReferencePath(Steps{.times = {1, 0}, .euler = {{0, 0, 0}, {0, 0, 1}}, .mrp = {}}, 0.1),
+               std::invalid_argument);
   EXPECT_THROW(ReferencePath(Steps{.times = {0}, .euler = {{0, 0}}, .mrp = {}}, 0.1), std::invalid_argument);
 }
 

@@ -26,7 +26,8 @@ Table noisy(const char* integrator) {
   s.set("duration", 30.0);
   s.set("seed", 7);
   s.set("sensors", List{Table{{"type", "gyro"}, {"noise", 1e-5}}});
-  s.set("faults", List{Table{{"type", "loss_of_effectiveness"}, {"actuator", 2}, {"t_on", 10.0037}, {"remaining", 0.4}}});
+  s.set("faults",
+        List{Table{{"type", "loss_of_effectiveness"}, {"actuator", 2}, {"t_on", 10.0037}, {"remaining", 0.4}}});
   return s;
 }
 
@@ -77,7 +78,8 @@ TEST(ClosedLoop, IsTheSameForAStaticStack) {
   };
   FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>> fixed(
       a.setup, Passthrough<double>(a.setup), NoDetector<double>(a.setup, {}),
-      MrpFeedback<double>(a.setup, read_params(default_params<MrpFeedback<double>>(a.setup), a.controller.params, Place{"here", 4})),
+      MrpFeedback<double>(
+          a.setup, read_params(default_params<MrpFeedback<double>>(a.setup), a.controller.params, Place{"here", 4})),
       PseudoInverse<double>(a.setup, default_params<PseudoInverse<double>>(a.setup)));
   Stack erased = make_stack(a, {});
   EXPECT_EQ(end_of(fixed), end_of(erased));
@@ -88,9 +90,10 @@ TEST(ClosedLoop, IsTheSameForAStaticStack) {
 TEST(ClosedLoop, IsTheSameUnderBothIntegratorsWhenFaultsSwitchBetweenSamples) {
   Table s = ftc_4rw("rk4");
   s.set("duration", 30.0);
-  s.set("faults", List{Table{{"type", "loss_of_effectiveness"}, {"actuator", 2}, {"t_on", 5.0037}, {"remaining", 0.4}},
-                       Table{{"type", "bias"}, {"actuator", 1}, {"t_on", 3.3333}, {"t_off", 11.11111}, {"torque", 0.05}},
-                       Table{{"type", "intermittent"}, {"actuator", 0}, {"t_on", 2.0}, {"period", 0.7153}, {"duty", 0.3}}});
+  s.set("faults",
+        List{Table{{"type", "loss_of_effectiveness"}, {"actuator", 2}, {"t_on", 5.0037}, {"remaining", 0.4}},
+             Table{{"type", "bias"}, {"actuator", 1}, {"t_on", 3.3333}, {"t_off", 11.11111}, {"torque", 0.05}},
+             Table{{"type", "intermittent"}, {"actuator", 0}, {"t_on", 2.0}, {"period", 0.7153}, {"duty", 0.3}}});
   s.set("integrator", Table{{"type", "rk4"}, {"substeps", 4}});
   const RunResult rk4 = simulate(s, {}, only({"truth.q_NB", "truth.omega_BN_B"}));
   s.set("integrator", Table{{"type", "cvode"}, {"rtol", 1e-12}, {"atol", 1e-14}});
@@ -116,7 +119,8 @@ TEST(ClosedLoop, LumpedTorqueIsWhatFaultAndDisturbanceAmountTo) {
   Table s = ftc_4rw("rk4");
   s.set("duration", 20.0);
   s.set("faults", List{Table{{"type", "loss_of_effectiveness"}, {"actuator", 2}, {"t_on", 5.0}, {"remaining", 0.4}}});
-  const RunResult r = simulate(s, {}, only({"truth.lumped_B", "truth.fault_B", "truth.external_B", "truth.lumped_mean_B"}));
+  const RunResult r =
+      simulate(s, {}, only({"truth.lumped_B", "truth.fault_B", "truth.external_B", "truth.lumped_mean_B"}));
   const std::vector<double>&lumped = channel(r, "truth.lumped_B"), &mean = channel(r, "truth.lumped_mean_B");
   const std::vector<double>&fault = channel(r, "truth.fault_B"), &external = channel(r, "truth.external_B");
   for (std::size_t i = 3; i < lumped.size(); ++i) {
@@ -127,8 +131,10 @@ TEST(ClosedLoop, LumpedTorqueIsWhatFaultAndDisturbanceAmountTo) {
 
 TEST(RunEnds, NonFiniteStateKeepsWhatCameBefore) {
   Table s = ftc_4rw("rk4");
-  s.set("disturbances", List{Table{{"type", "periodic"},
-                                   {"torque_B", List{Table{{"type", "steps"}, {"times", List{0.0, 1.0}}, {"values", List{0.0, 1e200}}}, 0.0, 0.0}}}});
+  s.set("disturbances",
+        List{Table{{"type", "periodic"},
+                   {"torque_B", List{Table{{"type", "steps"}, {"times", List{0.0, 1.0}}, {"values", List{0.0, 1e200}}},
+                                     0.0, 0.0}}}});
   const RunResult r = simulate(s);
   EXPECT_EQ(r.end.code, RunEnd::Code::non_finite);
   EXPECT_GE(r.end.time, 1.0);
@@ -149,12 +155,15 @@ INSTANTIATE_TEST_SUITE_P(
     All, BadScenario,
     testing::Values(
         Bad{"unknown_key", "durration", 3.0, "scenario: no parameter 'durration', did you mean 'duration'?"},
-        Bad{"duration", "duration", 1.005, "scenario: duration = 1.005 s is not a whole number of periods dt = 0.01 s; nearest are 1 and 1.01 s"},
+        Bad{"duration", "duration", 1.005,
+            "scenario: duration = 1.005 s is not a whole number of periods dt = 0.01 s; nearest are 1 and 1.01 s"},
         Bad{"zero_dt", "dt", 0.0, "scenario: dt = 0 is outside [1e-06, 1000]"},
-        Bad{"component", "controller", Table{{"type", "mrp_feedbak"}}, "controller 'mrp_feedbak': no controller 'mrp_feedbak', did you mean 'mrp_feedback'?"},
+        Bad{"component", "controller", Table{{"type", "mrp_feedbak"}},
+            "controller 'mrp_feedbak': no controller 'mrp_feedbak', did you mean 'mrp_feedback'?"},
         Bad{"fault_elsewhere", "faults", List{Table{{"type", "bias"}, {"actuator", 7}, {"torque", 0.1}}},
             "faults[0] 'bias': actuator = 7 is not there; the vehicle has 4 (0 to 3)"},
-        Bad{"channel", "record", Table{{"channels", List{"error.angel"}}}, "record: no channel 'error.angel', did you mean 'error.angle'?"}),
+        Bad{"channel", "record", Table{{"channels", List{"error.angel"}}},
+            "record: no channel 'error.angel', did you mean 'error.angle'?"}),
     [](const auto& info) { return info.param.why; });
 
 TEST_P(BadScenario, IsRefusedInOneLine) {
@@ -183,8 +192,10 @@ TEST(BadVehicle, InertiaIsJudged) {
   };
   EXPECT_EQ(message(List{List{20, 1, 0}, List{0, 17, 0}, List{0, 0, 15}}),
             "vehicle: J_B is not symmetric: entry [0][1] = 1 and [1][0] = 0");
-  EXPECT_EQ(message(List{20, 17, -1}), "vehicle: J_B is not positive definite: smallest principal moment -1 kg m^2, must be > 0");
-  EXPECT_EQ(message(List{20, 5, 5}), "vehicle: J_B is no inertia of a body: principal moments 5 + 5 < 20 kg m^2 (triangle inequality)");
+  EXPECT_EQ(message(List{20, 17, -1}),
+            "vehicle: J_B is not positive definite: smallest principal moment -1 kg m^2, must be > 0");
+  EXPECT_EQ(message(List{20, 5, 5}),
+            "vehicle: J_B is no inertia of a body: principal moments 5 + 5 < 20 kg m^2 (triangle inequality)");
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ class DetectorBase : public Reporting {
 
 class ControllerBase : public Reporting {
  public:
-  virtual Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) = 0;
+  virtual Demand<double> start(const Estimate<double>& x, const Detection<double>& det,
+                               const Reference<double>& ref) = 0;
   virtual Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
                               const Allocation<double>& last) = 0;
 };
@@ -33,7 +34,8 @@ class ControllerBase : public Reporting {
 class AllocatorBase : public Reporting {
  public:
   virtual void reset() = 0;
-  virtual Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x, const Detection<double>& det) = 0;
+  virtual Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+                                  const Detection<double>& det) = 0;
 };
 
 namespace detail {

@@ -50,7 +50,8 @@ Variant read_typed(const std::string& family, const Table& table, const std::str
 }
 
 template <class Variant>
-std::vector<Variant> read_list(const std::string& family, const Table& scenario, const std::string& key, int actuators) {
+std::vector<Variant> read_list(const std::string& family, const Table& scenario, const std::string& key,
+                               int actuators) {
   std::vector<Variant> out;
   const List& list = list_of(scenario, key);
   for (std::size_t i = 0; i < list.size(); ++i) {
@@ -75,16 +76,19 @@ void check_inertia(const Mat3<double>& J, const std::string& where) {
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < r; ++c) {
       if (std::abs(J(r, c) - J(c, r)) > 1e-9 * J.norm()) {
-        refuse(where + " is not symmetric: entry [" + std::to_string(c) + "][" + std::to_string(r) + "] = " + number_text(J(c, r)) +
-               " and [" + std::to_string(r) + "][" + std::to_string(c) + "] = " + number_text(J(r, c)));
+        refuse(where + " is not symmetric: entry [" + std::to_string(c) + "][" + std::to_string(r) +
+               "] = " + number_text(J(c, r)) + " and [" + std::to_string(r) + "][" + std::to_string(c) +
+               "] = " + number_text(J(r, c)));
       }
     }
   }
   const Vec3<double> I = eigenvalues(J);
-  if (!(I[0] > 0)) refuse(where + " is not positive definite: smallest principal moment " + number_text(I[0]) + " kg m^2, must be > 0");
+  if (!(I[0] > 0))
+    refuse(where + " is not positive definite: smallest principal moment " + number_text(I[0]) +
+           " kg m^2, must be > 0");
   if (I[0] + I[1] < I[2] * (1 - 1e-9)) {
-    refuse(where + " is no inertia of a body: principal moments " + number_text(I[0]) + " + " + number_text(I[1]) + " < " +
-           number_text(I[2]) + " kg m^2 (triangle inequality)");
+    refuse(where + " is no inertia of a body: principal moments " + number_text(I[0]) + " + " + number_text(I[1]) +
+           " < " + number_text(I[2]) + " kg m^2 (triangle inequality)");
   }
 }
 
@@ -99,14 +103,17 @@ void check_rank(const Mat3N<double>& D, const std::string& where) {
 }
 
 /// Lower and upper limits from a largest and an optional smallest; `lo`, `up` hold the fallback.
-void limits(const VecN<double>& u_max, const VecN<double>& u_min, VecN<double>& lo, VecN<double>& up, const std::string& where) {
+void limits(const VecN<double>& u_max, const VecN<double>& u_min, VecN<double>& lo, VecN<double>& up,
+            const std::string& where) {
   if (u_max.size() != 0) {
     up = u_max;
     lo = -u_max;
   }
   if (u_min.size() != 0) lo = u_min;
   for (Eigen::Index i = 0; i < up.size(); ++i) {
-    if (lo[i] > up[i]) refuse(where + ": u_min = " + number_text(lo[i]) + " is above u_max = " + number_text(up[i]) + " N m, actuator " + std::to_string(i));
+    if (lo[i] > up[i])
+      refuse(where + ": u_min = " + number_text(lo[i]) + " is above u_max = " + number_text(up[i]) + " N m, actuator " +
+             std::to_string(i));
   }
 }
 
@@ -149,12 +156,15 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
     if (wheel_inertia[i] == 0.0) continue;
     vehicle.wheels.set(i);
     if (std::abs(v.D_B.col(i).norm() - 1.0) > 1e-6) {
-      refuse("vehicle: D_B column " + std::to_string(i) + " is a wheel axis of length " + number_text(v.D_B.col(i).norm()) + "; a unit vector belongs here");
+      refuse("vehicle: D_B column " + std::to_string(i) + " is a wheel axis of length " +
+             number_text(v.D_B.col(i).norm()) + "; a unit vector belongs here");
     }
   }
   vehicle.J_B = v.J_B - wheel_inertia_sum(v.D_B, wheel_inertia);
   if (!(eigenvalues(vehicle.J_B)[0] > 0)) {
-    refuse("vehicle: J_B (of the whole vehicle) less the wheels' axial inertia is not positive definite; is J_B without the wheels?");
+    refuse(
+        "vehicle: J_B (of the whole vehicle) less the wheels' axial inertia is not positive definite; is J_B without "
+        "the wheels?");
   }
 }
 
@@ -165,7 +175,9 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   truth::PlantModel& plant = a.plant;
   plant.D_B = nominal.D_B;
   if (t.dD_B.cols() != 0) {
-    if (t.dD_B.cols() != n) refuse("truth: dD_B has " + std::to_string(t.dD_B.cols()) + " columns; the vehicle has " + std::to_string(n) + " actuators");
+    if (t.dD_B.cols() != n)
+      refuse("truth: dD_B has " + std::to_string(t.dD_B.cols()) + " columns; the vehicle has " + std::to_string(n) +
+             " actuators");
     plant.D_B += t.dD_B;
   }
   const Mat3<double> total = nominal.J_B + wheel_inertia_sum(nominal.D_B, wheel_inertia) + t.dJ_B;
@@ -192,10 +204,12 @@ void read_faults(const Table& scenario, Assembly& a) {
         [&](const auto& fault) {
           const std::string where = "faults[" + std::to_string(i) + "] '" + fault.name + "': ";
           if (fault.actuator >= n) {
-            refuse(where + "actuator = " + std::to_string(fault.actuator) + " is not there; the vehicle has " + std::to_string(n) +
-                   " (0 to " + std::to_string(n - 1) + ")");
+            refuse(where + "actuator = " + std::to_string(fault.actuator) + " is not there; the vehicle has " +
+                   std::to_string(n) + " (0 to " + std::to_string(n - 1) + ")");
           }
-          if (!(fault.t_off > fault.t_on)) refuse(where + "t_off = " + number_text(fault.t_off) + " must be after t_on = " + number_text(fault.t_on) + " s");
+          if (!(fault.t_off > fault.t_on))
+            refuse(where + "t_off = " + number_text(fault.t_off) + " must be after t_on = " + number_text(fault.t_on) +
+                   " s");
         },
         a.plant.faults[i]);
   }
@@ -214,7 +228,8 @@ void read_initial(const Table& scenario, Assembly& a, const VecN<double>& wheel_
   a.initial.h_w = VecN<double>::Zero(n);
   for (int w = 0; w < n; ++w) {
     if (speed[w] != 0.0 && wheel_inertia[w] == 0.0) {
-      refuse("initial: wheel_speed = " + number_text(speed[w]) + " rad/s for actuator " + std::to_string(w) + ", which has no wheel_inertia");
+      refuse("initial: wheel_speed = " + number_text(speed[w]) + " rad/s for actuator " + std::to_string(w) +
+             ", which has no wheel_inertia");
     }
     a.initial.h_w[w] = wheel_inertia[w] * (speed[w] + a.plant.D_B.col(w).dot(i.omega_BN_B));
   }
@@ -230,17 +245,19 @@ void read_run(const Table& scenario, Assembly& a) {
   const double ticks = std::round(duration / dt);
   if (std::abs(ticks * dt - duration) > 1e-9 * std::max(1.0, duration)) {
     const double below = std::floor(duration / dt);
-    refuse("scenario: duration = " + number_text(duration) + " s is not a whole number of periods dt = " + number_text(dt) +
-           " s; nearest are " + number_text(below * dt) + " and " + number_text((below + 1) * dt) + " s");
+    refuse("scenario: duration = " + number_text(duration) +
+           " s is not a whole number of periods dt = " + number_text(dt) + " s; nearest are " +
+           number_text(below * dt) + " and " + number_text((below + 1) * dt) + " s");
   }
   a.ticks = static_cast<Tick>(ticks);
   a.setup.dt = dt;
 }
 
 void refuse_unknown_keys(const Table& scenario) {
-  static const std::vector<std::string> known = {
-      "name",       "description", "duration",  "dt",     "seed",    "allow_unstable", "vehicle",   "truth",   "initial", "observer",
-      "detector",   "controller",  "allocator", "faults", "shadows", "disturbances",   "reference", "sensors", "record",  "integrator"};
+  static const std::vector<std::string> known = {"name",           "description", "duration",  "dt",      "seed",
+                                                 "allow_unstable", "vehicle",     "truth",     "initial", "observer",
+                                                 "detector",       "controller",  "allocator", "faults",  "shadows",
+                                                 "disturbances",   "reference",   "sensors",   "record",  "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 
@@ -250,7 +267,8 @@ Status<double> check_one(const Family<Base>& family, const Setup<double>& setup,
 }
 
 std::string text_of(const Status<double>& s) {
-  return std::string(s.quantity) + " = " + number_text(s.value) + ", must be " + s.relation + " " + number_text(s.limit);
+  return std::string(s.quantity) + " = " + number_text(s.value) + ", must be " + s.relation + " " +
+         number_text(s.limit);
 }
 
 /// Checked, then made: from outside when the type says so.
@@ -286,7 +304,8 @@ Assembly assemble(const Table& scenario) {
   const int n = a.setup.vehicle.actuators();
   a.plant.disturbances = read_list<truth::Disturbance>("disturbance", scenario, "disturbances", n);
   a.sensors = read_list<truth::Sensor>("sensor", scenario, "sensors", n);
-  a.plant.integrator = read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
+  a.plant.integrator =
+      read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
   a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");
   a.observer = component(block(scenario, "observer"), "observer", "passthrough");
   a.detector = component(block(scenario, "detector"), "detector", "none");

@@ -24,15 +24,19 @@ struct VehicleBlock {
   Coordinates coordinates = Coordinates::body;
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.J_B, Field{"J_B", "kg m^2", -1e9, 1e9, "inertia of the whole vehicle, wheels included; 3 numbers are a diagonal"});
+    field(p.J_B,
+          Field{"J_B", "kg m^2", -1e9, 1e9, "inertia of the whole vehicle, wheels included; 3 numbers are a diagonal"});
     field(p.D_B, Field{"D_B", "", -1e6, 1e6, "actuator axes in columns, body frame"});
-    field(p.u_max, Field{"u_max", "N m", -detail::infinite, detail::infinite, "largest command that flight knows of; absent: no limit"});
+    field(p.u_max, Field{"u_max", "N m", -detail::infinite, detail::infinite,
+                         "largest command that flight knows of; absent: no limit"});
     field(p.u_min, Field{"u_min", "N m", -detail::infinite, detail::infinite, "smallest command; absent: -u_max"});
     field(p.u_rate, Field{"u_rate", "N m/s", 0, detail::infinite, "fastest change of a command; absent: no limit"});
-    field(p.wheel_inertia, Field{"wheel_inertia", "kg m^2", 0, 1e6, "axial inertia of each wheel; 0 or absent: ideal torque actuator"});
+    field(p.wheel_inertia,
+          Field{"wheel_inertia", "kg m^2", 0, 1e6, "axial inertia of each wheel; 0 or absent: ideal torque actuator"});
     field(p.spare, Field{"spare", "", 0, max_actuators - 1, "actuators that stay off until a detector enables them"});
     field(p.orbit_rate, Field{"orbit_rate", "rad/s", 0, 1, "of a circular orbit; 0: none"});
-    field(p.coordinates, Choice{"coordinates", "body|euler_angles", "euler_angles: the printed Euler-angle plant of cao2023"});
+    field(p.coordinates,
+          Choice{"coordinates", "body|euler_angles", "euler_angles: the printed Euler-angle plant of cao2023"});
   }
 };
 
@@ -50,7 +54,8 @@ struct TruthBlock {
     field(p.dD_B, Field{"dD_B", "", -1e6, 1e6, "true actuator axes less the nominal"});
     field(p.u_max, Field{"u_max", "N m", -detail::infinite, detail::infinite, "true limit; absent: the vehicle's"});
     field(p.u_min, Field{"u_min", "N m", -detail::infinite, detail::infinite, "absent: -u_max, or the vehicle's"});
-    field(p.limit_on, Choice{"limit_on", "command|output", "the limit acts on the command, or on the torque after the faults"});
+    field(p.limit_on,
+          Choice{"limit_on", "command|output", "the limit acts on the command, or on the torque after the faults"});
     field(p.viscous_friction, Field{"viscous_friction", "N m s", 0, 1e6, "of each wheel"});
     field(p.coulomb_friction, Field{"coulomb_friction", "N m", 0, 1e6, "of each wheel"});
     field(p.momentum_max, Field{"momentum_max", "N m s", 0, detail::infinite, "of each wheel; absent: no limit"});
@@ -70,7 +75,8 @@ struct InitialBlock {
     field(p.mrp, Field{"mrp", "", -1e3, 1e3, "attitude as MRP, instead of q_NB"});
     field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "attitude as roll, pitch, yaw, instead of q_NB"});
     field(p.omega_BN_B, Field{"omega_BN_B", "rad/s", -1e3, 1e3, "body rate"});
-    field(p.wheel_speed, Field{"wheel_speed", "rad/s", -1e6, 1e6, "of each wheel relative to the body; absent: at rest"});
+    field(p.wheel_speed,
+          Field{"wheel_speed", "rad/s", -1e6, 1e6, "of each wheel relative to the body; absent: at rest"});
   }
 };
 

@@ -102,7 +102,9 @@ FamilyAccess access(const std::string& family) {
   using A = Alternatives<Variant>;
   return {family, A::names(),
           [family](const std::string& name) { return Description{family, name, {}, A::describe(family, name)}; },
-          [family](const std::string& name, const Table& table, const Place& place) { (void)A::read(family, name, table, place); }};
+          [family](const std::string& name, const Table& table, const Place& place) {
+            (void)A::read(family, name, table, place);
+          }};
 }
 
 std::vector<FamilyAccess> all_families() {

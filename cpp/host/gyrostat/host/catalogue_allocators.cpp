@@ -11,11 +11,8 @@ namespace gyrostat::host {
 
 std::vector<Entry<AllocatorBase>> builtin_allocators() {
   return {
-      allocator<Lexicographic>(),
-      allocator<LexicographicScaled>(),
-      allocator<PseudoInverse>(),
-      allocator<RobustSocp>(),
-      allocator<WeightedLeastSquares>(),
+      allocator<Lexicographic>(), allocator<LexicographicScaled>(),  allocator<PseudoInverse>(),
+      allocator<RobustSocp>(),    allocator<WeightedLeastSquares>(),
   };
 }
 

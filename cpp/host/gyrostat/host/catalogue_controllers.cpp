@@ -11,11 +11,8 @@ namespace gyrostat::host {
 
 std::vector<Entry<ControllerBase>> builtin_controllers() {
   return {
-      controller<FiniteTime>(),
-      controller<IntegralSlidingMode>(),
-      controller<MrpFeedback>(),
-      controller<OpenLoop>(),
-      controller<SaturatedPd>(),
+      controller<FiniteTime>(), controller<IntegralSlidingMode>(), controller<MrpFeedback>(),
+      controller<OpenLoop>(),   controller<SaturatedPd>(),
   };
 }
 

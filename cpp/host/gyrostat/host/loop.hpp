@@ -43,7 +43,8 @@ RunEnd fly(truth::Plant& plant, truth::Sensors& sensors, ReferencePath& referenc
       if (stack.last().status.has(Flag::singular)) {
         const double pitch_deg = y.euler.angles[1] * 57.295779513082320877;
         end.code = RunEnd::Code::singular;
-        end.cause = "Euler angles are singular: pitch " + std::to_string(pitch_deg) + " deg at t = " + std::to_string(end.time) + " s";
+        end.cause = "Euler angles are singular: pitch " + std::to_string(pitch_deg) +
+                    " deg at t = " + std::to_string(end.time) + " s";
         return end;
       }
       if (k == ticks) return end;

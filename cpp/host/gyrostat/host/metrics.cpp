@@ -37,7 +37,8 @@ Window window(const Series& s, double t0, double t1) {
   (void)s.width();
   const auto begin = std::lower_bound(s.t.begin(), s.t.end(), t0 - tolerance);
   const auto end = std::upper_bound(s.t.begin(), s.t.end(), t1 + tolerance);
-  if (begin >= end) throw std::invalid_argument("no sample between " + std::to_string(t0) + " s and " + std::to_string(t1) + " s");
+  if (begin >= end)
+    throw std::invalid_argument("no sample between " + std::to_string(t0) + " s and " + std::to_string(t1) + " s");
   return {static_cast<std::size_t>(begin - s.t.begin()), static_cast<std::size_t>(end - s.t.begin())};
 }
 
@@ -53,7 +54,8 @@ double window_largest(const Series& s, double t0, double t1, F of) {
 
 std::size_t Series::width() const {
   if (t.empty() || x.empty() || x.size() % t.size() != 0) {
-    throw std::invalid_argument(std::to_string(t.size()) + " instants and " + std::to_string(x.size()) + " values do not fit");
+    throw std::invalid_argument(std::to_string(t.size()) + " instants and " + std::to_string(x.size()) +
+                                " values do not fit");
   }
   return x.size() / t.size();
 }

@@ -81,7 +81,8 @@ void read(const Value& value, const Key& key, double& out) {
 
 void read(const Value& value, const Key& key, int& out) {
   double x = 0;
-  if (!number(value, x) || x != std::floor(x) || std::abs(x) > 2147483647.0) key.refuse(value, "must be a whole number");
+  if (!number(value, x) || x != std::floor(x) || std::abs(x) > 2147483647.0)
+    key.refuse(value, "must be a whole number");
   key.in_range(value, x);
   out = static_cast<int>(x);
 }
@@ -127,7 +128,8 @@ void read(const Value& value, const Key& key, Mat3<double>& out) {
   const List& rows = list_of(value, key, 3, allowed);
   if (rows[0].as<List>() == nullptr) {
     out.setZero();
-    numbers(value, rows, key, [&](std::size_t i, double x) { out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) = x; });
+    numbers(value, rows, key,
+            [&](std::size_t i, double x) { out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) = x; });
     return;
   }
   for (Eigen::Index r = 0; r < 3; ++r) {
@@ -157,7 +159,8 @@ void read(const Value& value, const Key& key, Mat3N<double>& out) {
   const char* const allowed = "3 rows of as many numbers as there are actuators (1 to 16)";
   const List& rows = list_of(value, key, 3, allowed);
   const List* first = rows[0].as<List>();
-  if (first == nullptr || first->empty() || first->size() > std::size_t{max_actuators}) key.refuse(value, std::string("must be ") + allowed);
+  if (first == nullptr || first->empty() || first->size() > std::size_t{max_actuators})
+    key.refuse(value, std::string("must be ") + allowed);
   out.resize(3, static_cast<Eigen::Index>(first->size()));
   for (Eigen::Index r = 0; r < 3; ++r) {
     const List* row = rows[static_cast<std::size_t>(r)].as<List>();
@@ -173,7 +176,8 @@ void read(const Value& value, const Key& key, Quat<double>& out) {
   out = Quat<double>(q[0], q[1], q[2], q[3]);
   const double norm = out.norm();
   if (norm == 0.0) key.refuse(value, "is zero and names no attitude");
-  if (std::abs(norm - 1.0) > 1e-3) key.refuse(value, "has norm " + number_text(norm) + "; a unit quaternion belongs here (within 1e-3)");
+  if (std::abs(norm - 1.0) > 1e-3)
+    key.refuse(value, "has norm " + number_text(norm) + "; a unit quaternion belongs here (within 1e-3)");
   out.normalize();
 }
 

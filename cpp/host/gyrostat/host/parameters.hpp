@@ -84,21 +84,36 @@ Value write(const std::vector<std::vector<double>>& rows);
 
 template <class M>
 constexpr const char* kind_of() {
-  if constexpr (std::is_same_v<M, double>) return "number";
-  else if constexpr (std::is_same_v<M, int> || std::is_same_v<M, std::uint64_t>) return "integer";
-  else if constexpr (std::is_same_v<M, std::string>) return "text";
-  else if constexpr (std::is_same_v<M, Vec3<double>>) return "vector3";
-  else if constexpr (std::is_same_v<M, Mat3<double>>) return "matrix3";
-  else if constexpr (std::is_same_v<M, VecN<double>>) return "per_actuator";
-  else if constexpr (std::is_same_v<M, Mat3N<double>>) return "columns3";
-  else if constexpr (std::is_same_v<M, Quat<double>>) return "quaternion";
-  else if constexpr (std::is_same_v<M, Mask>) return "mask";
-  else if constexpr (std::is_same_v<M, truth::Waveform>) return "waveform";
-  else if constexpr (std::is_same_v<M, std::array<truth::Waveform, 3>>) return "waveforms3";
-  else if constexpr (std::is_same_v<M, std::vector<truth::Waveform>>) return "waveforms";
-  else if constexpr (std::is_same_v<M, std::vector<double>>) return "numbers";
-  else if constexpr (std::is_same_v<M, std::vector<std::vector<double>>>) return "rows";
-  else static_assert(sizeof(M) == 0, "a parameter type that the host does not know");
+  if constexpr (std::is_same_v<M, double>)
+    return "number";
+  else if constexpr (std::is_same_v<M, int> || std::is_same_v<M, std::uint64_t>)
+    return "integer";
+  else if constexpr (std::is_same_v<M, std::string>)
+    return "text";
+  else if constexpr (std::is_same_v<M, Vec3<double>>)
+    return "vector3";
+  else if constexpr (std::is_same_v<M, Mat3<double>>)
+    return "matrix3";
+  else if constexpr (std::is_same_v<M, VecN<double>>)
+    return "per_actuator";
+  else if constexpr (std::is_same_v<M, Mat3N<double>>)
+    return "columns3";
+  else if constexpr (std::is_same_v<M, Quat<double>>)
+    return "quaternion";
+  else if constexpr (std::is_same_v<M, Mask>)
+    return "mask";
+  else if constexpr (std::is_same_v<M, truth::Waveform>)
+    return "waveform";
+  else if constexpr (std::is_same_v<M, std::array<truth::Waveform, 3>>)
+    return "waveforms3";
+  else if constexpr (std::is_same_v<M, std::vector<truth::Waveform>>)
+    return "waveforms";
+  else if constexpr (std::is_same_v<M, std::vector<double>>)
+    return "numbers";
+  else if constexpr (std::is_same_v<M, std::vector<std::vector<double>>>)
+    return "rows";
+  else
+    static_assert(sizeof(M) == 0, "a parameter type that the host does not know");
 }
 
 /// A number or matrix without a default must be given; an absent vector means "not this one".
@@ -123,7 +138,8 @@ struct Informer {
 
   template <class M>
   void operator()(const M& member, const Field& f) const {
-    out.push_back({f.name, kind_of<M>(), f.unit, f.lo, f.hi, f.meaning, {}, write(member), must_be_given(member), false});
+    out.push_back(
+        {f.name, kind_of<M>(), f.unit, f.lo, f.hi, f.meaning, {}, write(member), must_be_given(member), false});
   }
   template <class E>
   void operator()(const E& member, const Choice& c) const {

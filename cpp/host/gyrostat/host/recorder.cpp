@@ -42,7 +42,8 @@ Vec3<double> lumped(const Moment& m) {
 /// Interval mean; the gyroscopic term by the trapezoid.
 Vec3<double> lumped_mean(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
-  const Vec3<double> mean = 0.5 * (gyroscopic(v, m.omega_BN_B(), m.h_w()) + gyroscopic(v, *m.omega_before_B, *m.h_w_before));
+  const Vec3<double> mean =
+      0.5 * (gyroscopic(v, m.omega_BN_B(), m.h_w()) + gyroscopic(v, *m.omega_before_B, *m.h_w_before));
   return v.J_B * (m.omega_BN_B() - *m.omega_before_B) / m.vehicles.dt + mean - torque<double>(v.D_B, *m.u_held);
 }
 
@@ -64,20 +65,30 @@ using M = const Moment&;
 const Known known[] = {
     {"truth.q_NB", 4, "", "attitude, scalar first", [](M m, double* o) { put(m.q_NB(), o); }, true},
     {"truth.omega_BN_B", 3, "rad/s", "body rate", [](M m, double* o) { put(m.omega_BN_B(), o); }, true},
-    {"truth.mrp", 3, "", "attitude as MRP of the short way, |sigma| <= 1", [](M m, double* o) { put(mrp(short_way(m.q_NB())), o); }},
+    {"truth.mrp", 3, "", "attitude as MRP of the short way, |sigma| <= 1",
+     [](M m, double* o) { put(mrp(short_way(m.q_NB())), o); }},
     {"truth.euler", 3, "rad", "roll, pitch, yaw", [](M m, double* o) { put(euler(m.q_NB()), o); }},
-    {"truth.h_w", per_actuator, "N m s", "axial wheel momentum in inertial space", [](M m, double* o) { put(m.h_w(), o); }},
-    {"truth.delivered", per_actuator, "N m", "torque on the body that the actuators gave", [](M m, double* o) { put(m.truth().delivered, o); }, true},
-    {"truth.effectiveness", per_actuator, "", "true effectiveness", [](M m, double* o) { put(m.truth().effectiveness, o); }, true},
+    {"truth.h_w", per_actuator, "N m s", "axial wheel momentum in inertial space",
+     [](M m, double* o) { put(m.h_w(), o); }},
+    {"truth.delivered", per_actuator, "N m", "torque on the body that the actuators gave",
+     [](M m, double* o) { put(m.truth().delivered, o); }, true},
+    {"truth.effectiveness", per_actuator, "", "true effectiveness",
+     [](M m, double* o) { put(m.truth().effectiveness, o); }, true},
     {"truth.bias", per_actuator, "N m", "true additive fault", [](M m, double* o) { put(m.truth().bias, o); }},
     {"truth.external_B", 3, "N m", "disturbance torque", [](M m, double* o) { put(m.truth().external_B, o); }},
     {"truth.omegadot_BN_B", 3, "rad/s^2", "body acceleration", [](M m, double* o) { put(m.truth().omegadot_BN_B, o); }},
-    {"truth.fault_B", 3, "N m", "D_true (delivered - u)", [](M m, double* o) { put(torque<double>(m.vehicles.D_true_B, m.truth().delivered - *m.u_held), o); }, false, true},
-    {"truth.lumped_B", 3, "N m", "J w' + w x (J w + D h_w) - D u, nominal J and D", [](M m, double* o) { put(lumped(m), o); }, false, true},
-    {"truth.lumped_mean_B", 3, "N m", "mean of lumped_B over the interval", [](M m, double* o) { put(lumped_mean(m), o); }, false, true},
-    {"error.angle", 1, "rad", "angle between body and reference", [](M m, double* o) { put(rotation_angle(error_of(m).q_RB), o); }, true},
-    {"error.mrp", 3, "", "MRP of the body relative to the reference, short way", [](M m, double* o) { put(mrp(short_way(error_of(m).q_RB)), o); }},
-    {"error.omega_BR_B", 3, "rad/s", "body rate relative to the reference", [](M m, double* o) { put(error_of(m).omega_BR_B, o); }},
+    {"truth.fault_B", 3, "N m", "D_true (delivered - u)",
+     [](M m, double* o) { put(torque<double>(m.vehicles.D_true_B, m.truth().delivered - *m.u_held), o); }, false, true},
+    {"truth.lumped_B", 3, "N m", "J w' + w x (J w + D h_w) - D u, nominal J and D",
+     [](M m, double* o) { put(lumped(m), o); }, false, true},
+    {"truth.lumped_mean_B", 3, "N m", "mean of lumped_B over the interval",
+     [](M m, double* o) { put(lumped_mean(m), o); }, false, true},
+    {"error.angle", 1, "rad", "angle between body and reference",
+     [](M m, double* o) { put(rotation_angle(error_of(m).q_RB), o); }, true},
+    {"error.mrp", 3, "", "MRP of the body relative to the reference, short way",
+     [](M m, double* o) { put(mrp(short_way(error_of(m).q_RB)), o); }},
+    {"error.omega_BR_B", 3, "rad/s", "body rate relative to the reference",
+     [](M m, double* o) { put(error_of(m).omega_BR_B, o); }},
     {"measurement.q_NB", 4, "", "measured attitude", [](M m, double* o) { put(m.y->q_NB, o); }},
     {"measurement.omega_BN_B", 3, "rad/s", "measured rate", [](M m, double* o) { put(m.y->omega_BN_B, o); }},
     {"measurement.h_w", per_actuator, "N m s", "measured wheel momentum", [](M m, double* o) { put(m.y->h_w, o); }},
@@ -85,27 +96,37 @@ const Known known[] = {
     {"measurement.euler_rates", 3, "rad/s", "measured Euler rates", [](M m, double* o) { put(m.y->euler.rates, o); }},
     {"reference.q_NR", 4, "", "reference attitude", [](M m, double* o) { put(m.ref->q_NR, o); }},
     {"reference.omega_RN_R", 3, "rad/s", "reference rate", [](M m, double* o) { put(m.ref->omega_RN_R, o); }},
-    {"reference.omegadot_RN_R", 3, "rad/s^2", "reference acceleration", [](M m, double* o) { put(m.ref->omegadot_RN_R, o); }},
+    {"reference.omegadot_RN_R", 3, "rad/s^2", "reference acceleration",
+     [](M m, double* o) { put(m.ref->omegadot_RN_R, o); }},
     {"reference.euler", 3, "rad", "reference roll, pitch, yaw", [](M m, double* o) { put(m.ref->euler.angles, o); }},
     {"reference.event", 1, "", "count of jumps", [](M m, double* o) { put(m.ref->event, o); }},
     {"estimate.q_NB", 4, "", "estimated attitude", [](M m, double* o) { put(m.x->q_NB, o); }},
     {"estimate.omega_BN_B", 3, "rad/s", "estimated rate", [](M m, double* o) { put(m.x->omega_BN_B, o); }},
-    {"estimate.effectiveness", per_actuator, "", "estimated effectiveness", [](M m, double* o) { put(m.x->effectiveness, o); }, true},
-    {"estimate.effectiveness_bound", per_actuator, "", "relative half-width; infinite: never excited", [](M m, double* o) { put(m.x->effectiveness_bound, o); }},
+    {"estimate.effectiveness", per_actuator, "", "estimated effectiveness",
+     [](M m, double* o) { put(m.x->effectiveness, o); }, true},
+    {"estimate.effectiveness_bound", per_actuator, "", "relative half-width; infinite: never excited",
+     [](M m, double* o) { put(m.x->effectiveness_bound, o); }},
     {"estimate.d_B", 3, "N m", "estimated lumped torque", [](M m, double* o) { put(m.x->d_B, o); }, true},
     {"detection.changed", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->changed.bits(), o); }},
     {"detection.failed", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->failed.bits(), o); }},
     {"detection.enabled", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->enabled.bits(), o); }},
     {"detection.event", 1, "", "count of declarations", [](M m, double* o) { put(m.det->event, o); }},
-    {"demand.tau_B", 3, "N m", "torque that the controller asks for", [](M m, double* o) { put(m.demand->tau_B, o); }, true},
-    {"demand.u_pref", per_actuator, "N m", "preferred command, probe included", [](M m, double* o) { put(m.demand->u_pref, o); }},
-    {"allocation.u", per_actuator, "N m", "issued command, held to the next sample", [](M m, double* o) { put(m.last->u, o); }, true},
-    {"allocation.achieved_B", 3, "N m", "torque that flight believes it gets", [](M m, double* o) { put(m.last->achieved_B, o); }},
-    {"allocation.saturated", 1, "", "bit mask of actuators at a limit", [](M m, double* o) { put(m.last->saturated.bits(), o); }},
+    {"demand.tau_B", 3, "N m", "torque that the controller asks for", [](M m, double* o) { put(m.demand->tau_B, o); },
+     true},
+    {"demand.u_pref", per_actuator, "N m", "preferred command, probe included",
+     [](M m, double* o) { put(m.demand->u_pref, o); }},
+    {"allocation.u", per_actuator, "N m", "issued command, held to the next sample",
+     [](M m, double* o) { put(m.last->u, o); }, true},
+    {"allocation.achieved_B", 3, "N m", "torque that flight believes it gets",
+     [](M m, double* o) { put(m.last->achieved_B, o); }},
+    {"allocation.saturated", 1, "", "bit mask of actuators at a limit",
+     [](M m, double* o) { put(m.last->saturated.bits(), o); }},
     {"allocation.gap", 1, "", "certified distance to the optimum", [](M m, double* o) { put(m.last->gap, o); }},
-    {"allocation.worst_case", 1, "N m", "worst residual under the effectiveness bound", [](M m, double* o) { put(m.last->worst_case, o); }},
+    {"allocation.worst_case", 1, "N m", "worst residual under the effectiveness bound",
+     [](M m, double* o) { put(m.last->worst_case, o); }},
     {"allocation.iterations", 1, "", "of the allocator", [](M m, double* o) { put(m.last->iterations, o); }},
-    {"allocation.status", 1, "", "flags of the sample (core/signals.hpp)", [](M m, double* o) { put(m.last->status.bits(), o); }},
+    {"allocation.status", 1, "", "flags of the sample (core/signals.hpp)",
+     [](M m, double* o) { put(m.last->status.bits(), o); }},
 };
 
 struct KnownOfShadow {
@@ -118,8 +139,10 @@ struct KnownOfShadow {
 
 using V = const ShadowView&;
 const KnownOfShadow known_of_shadow[] = {
-    {"estimate.effectiveness", per_actuator, "", "estimated effectiveness", [](V v, double* o) { put(v.x->effectiveness, o); }},
-    {"estimate.effectiveness_bound", per_actuator, "", "relative half-width", [](V v, double* o) { put(v.x->effectiveness_bound, o); }},
+    {"estimate.effectiveness", per_actuator, "", "estimated effectiveness",
+     [](V v, double* o) { put(v.x->effectiveness, o); }},
+    {"estimate.effectiveness_bound", per_actuator, "", "relative half-width",
+     [](V v, double* o) { put(v.x->effectiveness_bound, o); }},
     {"estimate.d_B", 3, "N m", "estimated lumped torque", [](V v, double* o) { put(v.x->d_B, o); }},
     {"estimate.omega_BN_B", 3, "rad/s", "estimated rate", [](V v, double* o) { put(v.x->omega_BN_B, o); }},
     {"detection.changed", 1, "", "bit mask of actuators", [](V v, double* o) { put(v.det->changed.bits(), o); }},
@@ -160,7 +183,8 @@ std::vector<ChannelInfo> Recorder::offered(int actuators, const std::vector<Repo
   return out;
 }
 
-std::vector<std::string> Recorder::usual(const std::vector<Reported>& components, const std::vector<ShadowView>& shadows) {
+std::vector<std::string> Recorder::usual(const std::vector<Reported>& components,
+                                         const std::vector<ShadowView>& shadows) {
   std::vector<std::string> names;
   for (const Known& k : known) {
     if (k.usual) names.emplace_back(k.name);
@@ -185,7 +209,8 @@ void Recorder::choose(const std::string& pattern, int actuators, const std::vect
   bool found = false;
   const auto add = [&](Slot slot) {
     found = true;
-    const bool twice = std::any_of(slots_.begin(), slots_.end(), [&](const Slot& s) { return s.channel.info.name == slot.channel.info.name; });
+    const bool twice = std::any_of(slots_.begin(), slots_.end(),
+                                   [&](const Slot& s) { return s.channel.info.name == slot.channel.info.name; });
     if (!twice) slots_.push_back(std::move(slot));
   };
   for (const Known& k : known) {
@@ -219,7 +244,8 @@ void Recorder::choose(const std::string& pattern, int actuators, const std::vect
   std::vector<std::string> all;
   for (const ChannelInfo& c : offered(actuators, components, shadows)) all.push_back(c.name);
   const std::string near = nearest(pattern, all);
-  throw std::invalid_argument("record: no channel '" + pattern + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));
+  throw std::invalid_argument("record: no channel '" + pattern + "'" +
+                              (near.empty() ? "" : ", did you mean '" + near + "'?"));
 }
 
 void Recorder::record(const Moment& now) {

@@ -40,9 +40,9 @@ class Moment {
   const Detection<double>* det = nullptr;
   const Demand<double>* demand = nullptr;
   const Allocation<double>* last = nullptr;
-  const VecN<double>* u_held = nullptr;              ///< command over the interval just ended
-  const Vec3<double>* omega_before_B = nullptr;      ///< true rate one sample ago
-  const VecN<double>* h_w_before = nullptr;          ///< true wheel momentum one sample ago
+  const VecN<double>* u_held = nullptr;          ///< command over the interval just ended
+  const Vec3<double>* omega_before_B = nullptr;  ///< true rate one sample ago
+  const VecN<double>* h_w_before = nullptr;      ///< true wheel momentum one sample ago
   const Vec3<double>& omega_BN_B() const { return plant_.omega_BN_B(); }
   const Quat<double>& q_NB() const { return plant_.q_NB(); }
   const VecN<double>& h_w() const { return plant_.h_w(); }
@@ -77,7 +77,8 @@ class Recorder {
   static std::vector<ChannelInfo> offered(int actuators, const std::vector<Reported>& components,
                                           const std::vector<ShadowView>& shadows);
   /// What is recorded when nobody chooses.
-  static std::vector<std::string> usual(const std::vector<Reported>& components, const std::vector<ShadowView>& shadows);
+  static std::vector<std::string> usual(const std::vector<Reported>& components,
+                                        const std::vector<ShadowView>& shadows);
 
   /// `names` may end in ".*". Throws std::invalid_argument naming the nearest channel.
   Recorder(const std::vector<std::string>& names, int actuators, std::vector<Reported> components,

@@ -8,7 +8,9 @@
 namespace gyrostat::host {
 namespace {
 
-[[noreturn]] void refuse(const std::string& where, const std::string& what) { throw std::invalid_argument(where + ": " + what); }
+[[noreturn]] void refuse(const std::string& where, const std::string& what) {
+  throw std::invalid_argument(where + ": " + what);
+}
 
 Vec3<double> wave(const Vec3<double>& offset, const Vec3<double>& amplitude, const Vec3<double>& frequency,
                   const Vec3<double>& phase, double t, int derivative) {
@@ -16,9 +18,14 @@ Vec3<double> wave(const Vec3<double>& offset, const Vec3<double>& amplitude, con
   for (int i = 0; i < 3; ++i) {
     const double angle = frequency[i] * t + phase[i];
     switch (derivative) {
-      case 0: out[i] = offset[i] + amplitude[i] * std::sin(angle); break;
-      case 1: out[i] = amplitude[i] * frequency[i] * std::cos(angle); break;
-      default: out[i] = -amplitude[i] * frequency[i] * frequency[i] * std::sin(angle);
+      case 0:
+        out[i] = offset[i] + amplitude[i] * std::sin(angle);
+        break;
+      case 1:
+        out[i] = amplitude[i] * frequency[i] * std::cos(angle);
+        break;
+      default:
+        out[i] = -amplitude[i] * frequency[i] * frequency[i] * std::sin(angle);
     }
   }
   return out;
@@ -28,10 +35,12 @@ Vec3<double> wave(const Vec3<double>& offset, const Vec3<double>& amplitude, con
 void add_euler(Reference<double>& r) {
   r.euler.angles = euler(r.q_NR);
   const Mat3<double> E = euler_rate_matrix(r.euler.angles);
-  if (std::abs(std::cos(r.euler.angles[1])) < 1e-9) return;  // no rates at gimbal lock; laws that need them stop the run
+  if (std::abs(std::cos(r.euler.angles[1])) < 1e-9)
+    return;  // no rates at gimbal lock; laws that need them stop the run
   const Mat3<double> E_inv = E.inverse();
   r.euler.rates = E_inv * r.omega_RN_R;
-  r.euler_accelerations = E_inv * (r.omegadot_RN_R - euler_rate_matrix_rate(r.euler.angles, r.euler.rates) * r.euler.rates);
+  r.euler_accelerations =
+      E_inv * (r.omegadot_RN_R - euler_rate_matrix_rate(r.euler.angles, r.euler.rates) * r.euler.rates);
 }
 
 void evaluate_mrp(const MrpSine& p, double t, Reference<double>& r) {
@@ -70,7 +79,8 @@ void evaluate_slew(const Slew& p, double t, Reference<double>& r) {
 
 }  // namespace
 
-ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& where) : spec_(std::move(spec)), dt_(dt) {
+ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& where)
+    : spec_(std::move(spec)), dt_(dt) {
   if (const Hold* p = std::get_if<Hold>(&spec_)) {
     const bool has_mrp = !p->mrp.hasNaN(), has_euler = !p->euler.hasNaN();
     const bool has_q = p->q_NR.w() != 1.0;
@@ -83,10 +93,12 @@ ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& w
     const std::vector<std::vector<double>>& rows = use_mrp ? steps->mrp : steps->euler;
     if (use_mrp && !steps->euler.empty()) refuse(where, "give one of euler and mrp");
     if (steps->times.empty() || rows.size() != steps->times.size()) {
-      refuse(where, std::to_string(steps->times.size()) + " times and " + std::to_string(rows.size()) + " attitudes; one a time belongs here");
+      refuse(where, std::to_string(steps->times.size()) + " times and " + std::to_string(rows.size()) +
+                        " attitudes; one a time belongs here");
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i].size() != 3) refuse(where, "an attitude has " + std::to_string(rows[i].size()) + " numbers; 3 belong here");
+      if (rows[i].size() != 3)
+        refuse(where, "an attitude has " + std::to_string(rows[i].size()) + " numbers; 3 belong here");
       if (i > 0 && steps->times[i] <= steps->times[i - 1]) refuse(where, "times must increase");
       const Vec3<double> row(rows[i][0], rows[i][1], rows[i][2]);
       stops_.push_back(use_mrp ? quat_from_mrp(row) : quat_from_euler(row));
@@ -130,7 +142,8 @@ void ReferencePath::evaluate(Tick tick) {
       if (k == 0) continue;
       const double t0 = static_cast<double>(k - 1) * dt_, mid = t0 + dt_ / 2, offset = dt_ * std::sqrt(3.0) / 6;
       const Vec3<double> a = omega(mid - offset, 0), b = omega(mid + offset, 0);
-      now_.q_NR = (now_.q_NR * quat_exp<double>(dt_ / 2 * (a + b) + dt_ * dt_ * std::sqrt(3.0) / 12 * a.cross(b))).normalized();
+      now_.q_NR =
+          (now_.q_NR * quat_exp<double>(dt_ / 2 * (a + b) + dt_ * dt_ * std::sqrt(3.0) / 12 * a.cross(b))).normalized();
     }
     now_.omega_RN_R = omega(t, 0);
     now_.omegadot_RN_R = omega(t, 1);

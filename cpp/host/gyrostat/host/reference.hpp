@@ -36,7 +36,8 @@ struct Steps {
   std::vector<std::vector<double>> euler, mrp;
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.times, Field{"times", "s", 0, unbounded, "instants of the jumps, increasing; the first attitude holds before them too"});
+    field(p.times, Field{"times", "s", 0, unbounded,
+                         "instants of the jumps, increasing; the first attitude holds before them too"});
     field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "one row [roll, pitch, yaw] a time"});
     field(p.mrp, Field{"mrp", "", -unbounded, unbounded, "one row a time, instead of euler"});
   }

@@ -83,9 +83,17 @@ class ProgressClock {
 class Watcher {
  public:
   Watcher(const Assembly& a, const truth::Plant& plant, const Stack& stack, std::vector<Shadow>& shadows,
-          const std::vector<Reported>& components, Recorder* recorder, std::size_t every, std::function<void(double)> progress)
-      : plant_(plant), stack_(stack), shadows_(shadows), recorder_(recorder), every_(every), ticks_(a.ticks),
-        events_(components), clock_(std::move(progress), a.ticks), moment_(a.vehicles, plant),
+          const std::vector<Reported>& components, Recorder* recorder, std::size_t every,
+          std::function<void(double)> progress)
+      : plant_(plant),
+        stack_(stack),
+        shadows_(shadows),
+        recorder_(recorder),
+        every_(every),
+        ticks_(a.ticks),
+        events_(components),
+        clock_(std::move(progress), a.ticks),
+        moment_(a.vehicles, plant),
         previous_(recorder != nullptr && recorder->needs_previous()) {
     u_held_ = VecN<double>::Zero(a.setup.vehicle.actuators());
     omega_before_ = plant.omega_BN_B();
@@ -145,7 +153,8 @@ struct Parts {
   std::vector<Reported> components;
   std::vector<ShadowView> views;
 
-  Parts(const Assembly& a, const ExternalComponents& external) : stack(make_stack(a, external)), shadows(make_shadows(a, external)) {
+  Parts(const Assembly& a, const ExternalComponents& external)
+      : stack(make_stack(a, external)), shadows(make_shadows(a, external)) {
     components = {{"observer", &stack.estimator.observer.reporting()},
                   {"detector", &stack.estimator.detector.reporting()},
                   {"controller", &stack.controller.reporting()},
@@ -245,10 +254,12 @@ RunResult simulate(const Table& scenario, const ExternalComponents& external, co
   Parts parts(a, external);
   std::optional<Recorder> recorder;
   if (options.record) {
-    const std::vector<std::string> names = options.channels.empty() ? Recorder::usual(parts.components, parts.views) : options.channels;
+    const std::vector<std::string> names =
+        options.channels.empty() ? Recorder::usual(parts.components, parts.views) : options.channels;
     recorder.emplace(names, a.setup.vehicle.actuators(), parts.components, parts.views, a.ticks / options.every + 2);
   }
-  Watcher watcher(a, plant, parts.stack, parts.shadows, parts.components, recorder ? &*recorder : nullptr, options.every, options.progress);
+  Watcher watcher(a, plant, parts.stack, parts.shadows, parts.components, recorder ? &*recorder : nullptr,
+                  options.every, options.progress);
   RunResult result;
   result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher);
   result.events = std::move(watcher).take_events();

@@ -39,8 +39,8 @@ struct Event {
 struct RunOptions {
   std::vector<std::string> channels;  ///< empty: the usual ones
   bool record = true;
-  std::size_t every = 1;                   ///< record every so many samples; the last one always
-  std::function<void(double)> progress;    ///< called with the fraction done about five times a second; may throw
+  std::size_t every = 1;                 ///< record every so many samples; the last one always
+  std::function<void(double)> progress;  ///< called with the fraction done about five times a second; may throw
 };
 
 struct RunResult {

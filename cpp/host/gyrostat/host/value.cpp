@@ -57,7 +57,8 @@ std::string Value::text() const {
 }
 
 const char* Value::kind() const noexcept {
-  static constexpr const char* kinds[] = {"nothing", "true/false", "an integer", "a number", "a text", "a list", "a table"};
+  static constexpr const char* kinds[] = {"nothing", "true/false", "an integer", "a number",
+                                          "a text",  "a list",     "a table"};
   return kinds[data_.index()];
 }
 
