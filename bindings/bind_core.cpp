@@ -22,7 +22,7 @@ Q quaternion(const Eigen::Vector4d& c) { return {c[0], c[1], c[2], c[3]}; }
 
 /// A property that holds a quaternion, scalar first.
 template <class T, class C>
-void def_quat(py::class_<C>& c, const char* name, T C::*member, const char* doc) {
+void def_quat(py::class_<C>& c, const char* name, T C::* member, const char* doc) {
   c.def_property(
       name, [member](const C& s) { return coefficients(s.*member); },
       [member](C& s, const Eigen::Vector4d& q) { s.*member = quaternion(q); }, doc);
@@ -30,7 +30,7 @@ void def_quat(py::class_<C>& c, const char* name, T C::*member, const char* doc)
 
 /// A property that holds one number an actuator (copied out, so that numpy never outlives the sample).
 template <class C>
-void def_per_actuator(py::class_<C>& c, const char* name, VN C::*member, const char* doc) {
+void def_per_actuator(py::class_<C>& c, const char* name, VN C::* member, const char* doc) {
   c.def_property(
       name, [member](const C& s) { return Eigen::VectorXd(s.*member); },
       [member, name](C& s, const Eigen::VectorXd& v) {
@@ -41,13 +41,13 @@ void def_per_actuator(py::class_<C>& c, const char* name, VN C::*member, const c
 }
 
 template <class C>
-void def_vector(py::class_<C>& c, const char* name, V3 C::*member, const char* doc) {
+void def_vector(py::class_<C>& c, const char* name, V3 C::* member, const char* doc) {
   c.def_property(
       name, [member](const C& s) { return V3(s.*member); }, [member](C& s, const V3& v) { s.*member = v; }, doc);
 }
 
 template <class C>
-void def_mask(py::class_<C>& c, const char* name, Mask C::*member, const char* doc) {
+void def_mask(py::class_<C>& c, const char* name, Mask C::* member, const char* doc) {
   c.def_property(
       name,
       [member](const C& s) {
@@ -60,7 +60,8 @@ void def_mask(py::class_<C>& c, const char* name, Mask C::*member, const char* d
       [member](C& s, const std::vector<int>& members) {
         Mask mask;
         for (int i : members) {
-          if (i < 0 || i >= max_actuators) throw std::invalid_argument("actuator " + std::to_string(i) + " is not in 0 to 15");
+          if (i < 0 || i >= max_actuators)
+            throw std::invalid_argument("actuator " + std::to_string(i) + " is not in 0 to 15");
           mask.set(i);
         }
         s.*member = mask;
@@ -74,8 +75,10 @@ void bind_signals(py::module_& m) {
   def_vector(euler_state, "rates", &EulerState<double>::rates, "(3,) rad/s");
 
   py::class_<Vehicle<double>> vehicle(m, "NominalVehicle", "The nominal vehicle: all that flight knows of it.");
-  vehicle.def_property_readonly("J_B", [](const Vehicle<double>& v) { return v.J_B; }, "(3, 3) kg m^2; with wheels: total less sum Js g g'");
-  vehicle.def_property_readonly("D_B", [](const Vehicle<double>& v) { return Eigen::MatrixXd(v.D_B); }, "(3, n) actuator axes in columns");
+  vehicle.def_property_readonly(
+      "J_B", [](const Vehicle<double>& v) { return v.J_B; }, "(3, 3) kg m^2; with wheels: total less sum Js g g'");
+  vehicle.def_property_readonly(
+      "D_B", [](const Vehicle<double>& v) { return Eigen::MatrixXd(v.D_B); }, "(3, n) actuator axes in columns");
   def_per_actuator(vehicle, "u_lo", &Vehicle<double>::u_lo, "(n,) N m");
   def_per_actuator(vehicle, "u_up", &Vehicle<double>::u_up, "(n,) N m");
   def_per_actuator(vehicle, "u_rate", &Vehicle<double>::u_rate, "(n,) N m/s");
@@ -111,11 +114,13 @@ void bind_signals(py::module_& m) {
   def_per_actuator(x, "h_w", &Estimate<double>::h_w, "(n,) N m s");
   x.def_readwrite("euler", &Estimate<double>::euler);
   def_per_actuator(x, "effectiveness", &Estimate<double>::effectiveness, "(n,) delivered / commanded");
-  def_per_actuator(x, "effectiveness_bound", &Estimate<double>::effectiveness_bound, "(n,) relative half-width; inf: never excited");
+  def_per_actuator(x, "effectiveness_bound", &Estimate<double>::effectiveness_bound,
+                   "(n,) relative half-width; inf: never excited");
   def_vector(x, "d_B", &Estimate<double>::d_B, "(3,) N m, what effectiveness does not explain");
 
   py::class_<Detection<double>> det(m, "Detection", "Detector to controller and allocator.");
-  det.def_static("none", &Detection<double>::none, "vehicle"_a, "Nothing detected; everything but the spares is enabled.");
+  det.def_static("none", &Detection<double>::none, "vehicle"_a,
+                 "Nothing detected; everything but the spares is enabled.");
   def_mask(det, "changed", &Detection<double>::changed, "actuators declared changed");
   def_mask(det, "failed", &Detection<double>::failed, "actuators declared useless");
   def_mask(det, "enabled", &Detection<double>::enabled, "actuators that may be used");
@@ -137,7 +142,8 @@ void bind_signals(py::module_& m) {
   def_vector(demand, "tau_B", &Demand<double>::tau_B, "(3,) N m");
   def_per_actuator(demand, "u_pref", &Demand<double>::u_pref, "(n,) N m; empty: zero");
 
-  py::class_<Allocation<double>> a(m, "Allocation", "Allocator to actuators, and to everyone as `last` at the next sample.");
+  py::class_<Allocation<double>> a(m, "Allocation",
+                                   "Allocator to actuators, and to everyone as `last` at the next sample.");
   a.def(py::init<>());
   def_per_actuator(a, "u", &Allocation<double>::u, "(n,) N m, issued command");
   def_vector(a, "demand_B", &Allocation<double>::demand_B, "(3,) N m, what was asked");
@@ -176,33 +182,53 @@ void put(const V3& v, double* to) { V3::Map(to) = v; }
 void put(const Q& q, double* to) { Eigen::Vector4d::Map(to) = coefficients(q); }
 
 void bind_attitude(py::module_& m) {
-  m.def("mrp_from_quat", [](const Rows& q) { return rowwise<4, 3>(q, "q", [](auto* i, auto* o) { put(mrp(q_at(i)), o); }); }, "q"_a,
-        "MRP of quaternions (..., 4), scalar first -> (..., 3). The sign of q decides which of the two sets comes out.");
-  m.def("quat_from_mrp", [](const Rows& s) { return rowwise<3, 4>(s, "sigma", [](auto* i, auto* o) { put(quat_from_mrp(v_at(i)), o); }); },
-        "sigma"_a, "Quaternions (..., 4), scalar first, of MRP (..., 3).");
-  m.def("mrp_shadow", [](const Rows& s) { return rowwise<3, 3>(s, "sigma", [](auto* i, auto* o) { put(mrp_shadow(v_at(i)), o); }); },
-        "sigma"_a, "The other MRP (..., 3) of the same attitude.");
-  m.def("euler_from_quat", [](const Rows& q) { return rowwise<4, 3>(q, "q", [](auto* i, auto* o) { put(euler(q_at(i)), o); }); }, "q"_a,
-        "Roll, pitch, yaw (..., 3) in rad of quaternions (..., 4), scalar first; 3-2-1 sequence.");
-  m.def("quat_from_euler", [](const Rows& a) { return rowwise<3, 4>(a, "angles", [](auto* i, auto* o) { put(quat_from_euler(v_at(i)), o); }); },
-        "angles"_a, "Quaternions (..., 4), scalar first, of roll, pitch, yaw (..., 3) in rad.");
-  m.def("quat_from_rotation_vector", [](const Rows& a) { return rowwise<3, 4>(a, "phi", [](auto* i, auto* o) { put(quat_exp(v_at(i)), o); }); },
-        "phi"_a, "Quaternions (..., 4) of rotation vectors (..., 3) in rad.");
-  m.def("rotation_vector_from_quat", [](const Rows& q) { return rowwise<4, 3>(q, "q", [](auto* i, auto* o) { put(quat_log(q_at(i)), o); }); },
-        "q"_a, "Rotation vectors (..., 3) in rad, of length at most pi, of quaternions (..., 4).");
-  m.def("rotation_angle", [](const Rows& q) { return rowwise<4, 1>(q, "q", [](auto* i, auto* o) { *o = rotation_angle(q_at(i)); }); }, "q"_a,
-        "Rotation angles (...) in rad, 0 to pi, of quaternions (..., 4).");
-  m.def("dcm_from_quat", [](const Rows& q) {
-          py::array_t<double> flat = rowwise<4, 9>(q, "q", [](auto* i, auto* o) {
-            Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> C(o);
-            C = dcm(q_at(i));
-          });
-          std::vector<py::ssize_t> shape(q.shape(), q.shape() + q.ndim());
-          shape.back() = 3;
-          shape.push_back(3);
-          return py::array_t<double>(flat.reshape(shape));
-        },
-        "q"_a, "Direction cosines C_BN (..., 3, 3) of quaternions q_NB (..., 4): v_B = C_BN v_N.");
+  m.def(
+      "mrp_from_quat",
+      [](const Rows& q) { return rowwise<4, 3>(q, "q", [](auto* i, auto* o) { put(mrp(q_at(i)), o); }); }, "q"_a,
+      "MRP of quaternions (..., 4), scalar first -> (..., 3). The sign of q decides which of the two sets comes out.");
+  m.def(
+      "quat_from_mrp",
+      [](const Rows& s) { return rowwise<3, 4>(s, "sigma", [](auto* i, auto* o) { put(quat_from_mrp(v_at(i)), o); }); },
+      "sigma"_a, "Quaternions (..., 4), scalar first, of MRP (..., 3).");
+  m.def(
+      "mrp_shadow",
+      [](const Rows& s) { return rowwise<3, 3>(s, "sigma", [](auto* i, auto* o) { put(mrp_shadow(v_at(i)), o); }); },
+      "sigma"_a, "The other MRP (..., 3) of the same attitude.");
+  m.def(
+      "euler_from_quat",
+      [](const Rows& q) { return rowwise<4, 3>(q, "q", [](auto* i, auto* o) { put(euler(q_at(i)), o); }); }, "q"_a,
+      "Roll, pitch, yaw (..., 3) in rad of quaternions (..., 4), scalar first; 3-2-1 sequence.");
+  m.def(
+      "quat_from_euler",
+      [](const Rows& a) {
+        return rowwise<3, 4>(a, "angles", [](auto* i, auto* o) { put(quat_from_euler(v_at(i)), o); });
+      },
+      "angles"_a, "Quaternions (..., 4), scalar first, of roll, pitch, yaw (..., 3) in rad.");
+  m.def(
+      "quat_from_rotation_vector",
+      [](const Rows& a) { return rowwise<3, 4>(a, "phi", [](auto* i, auto* o) { put(quat_exp(v_at(i)), o); }); },
+      "phi"_a, "Quaternions (..., 4) of rotation vectors (..., 3) in rad.");
+  m.def(
+      "rotation_vector_from_quat",
+      [](const Rows& q) { return rowwise<4, 3>(q, "q", [](auto* i, auto* o) { put(quat_log(q_at(i)), o); }); }, "q"_a,
+      "Rotation vectors (..., 3) in rad, of length at most pi, of quaternions (..., 4).");
+  m.def(
+      "rotation_angle",
+      [](const Rows& q) { return rowwise<4, 1>(q, "q", [](auto* i, auto* o) { *o = rotation_angle(q_at(i)); }); },
+      "q"_a, "Rotation angles (...) in rad, 0 to pi, of quaternions (..., 4).");
+  m.def(
+      "dcm_from_quat",
+      [](const Rows& q) {
+        py::array_t<double> flat = rowwise<4, 9>(q, "q", [](auto* i, auto* o) {
+          Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> C(o);
+          C = dcm(q_at(i));
+        });
+        std::vector<py::ssize_t> shape(q.shape(), q.shape() + q.ndim());
+        shape.back() = 3;
+        shape.push_back(3);
+        return py::array_t<double>(flat.reshape(shape));
+      },
+      "q"_a, "Direction cosines C_BN (..., 3, 3) of quaternions q_NB (..., 4): v_B = C_BN v_N.");
 }
 
 }  // namespace

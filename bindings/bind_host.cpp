@@ -23,12 +23,13 @@ py::dict describe(const std::string& family, const std::string& name) {
   const host::Description d = host::describe(family, name);
   py::list params;
   for (const host::ParamInfo& p : d.params) {
-    params.append(py::dict("name"_a = p.name, "kind"_a = p.kind, "unit"_a = p.unit, "lo"_a = p.lo, "hi"_a = p.hi, "meaning"_a = p.meaning,
-                           "options"_a = p.options, "default"_a = to_python(p.default_value), "required"_a = p.required,
-                           "scales"_a = p.scales));
+    params.append(py::dict("name"_a = p.name, "kind"_a = p.kind, "unit"_a = p.unit, "lo"_a = p.lo, "hi"_a = p.hi,
+                           "meaning"_a = p.meaning, "options"_a = p.options, "default"_a = to_python(p.default_value),
+                           "required"_a = p.required, "scales"_a = p.scales));
   }
   return py::dict("family"_a = d.family, "name"_a = d.name,
-                  "traits"_a = py::dict("axiswise"_a = d.traits.axiswise, "switching"_a = d.traits.switching, "regulates"_a = d.traits.regulates),
+                  "traits"_a = py::dict("axiswise"_a = d.traits.axiswise, "switching"_a = d.traits.switching,
+                                        "regulates"_a = d.traits.regulates),
                   "params"_a = params);
 }
 
@@ -40,9 +41,9 @@ const char* code_name(Status<double>::Code code) {
 py::list check(const py::dict& scenario, const py::dict& components) {
   py::list rows;
   for (const host::CheckRow& r : host::check(to_table(scenario), python_components(components))) {
-    rows.append(py::dict("where"_a = r.where, "name"_a = r.name, "ok"_a = r.status.ok(), "code"_a = code_name(r.status.code),
-                         "quantity"_a = r.status.quantity, "value"_a = r.status.value, "limit"_a = r.status.limit,
-                         "relation"_a = r.status.relation));
+    rows.append(py::dict("where"_a = r.where, "name"_a = r.name, "ok"_a = r.status.ok(),
+                         "code"_a = code_name(r.status.code), "quantity"_a = r.status.quantity,
+                         "value"_a = r.status.value, "limit"_a = r.status.limit, "relation"_a = r.status.relation));
   }
   return rows;
 }
@@ -69,8 +70,9 @@ const char* end_name(host::RunEnd::Code code) {
   return names[static_cast<int>(code)];
 }
 
-py::dict simulate(const py::dict& scenario, const py::dict& components, const std::optional<std::vector<std::string>>& channels,
-                  std::size_t every, const py::object& progress, bool record) {
+py::dict simulate(const py::dict& scenario, const py::dict& components,
+                  const std::optional<std::vector<std::string>>& channels, std::size_t every,
+                  const py::object& progress, bool record) {
   const host::Table table = to_table(scenario);
   const host::ExternalComponents external = python_components(components);
   host::RunOptions options;
@@ -95,10 +97,12 @@ py::dict simulate(const py::dict& scenario, const py::dict& components, const st
     arrays[py::str(c.info.name)] = array_of(std::move(c.data), shape);
   }
   py::list events;
-  for (const host::Event& e : result.events) events.append(py::dict("t"_a = e.t, "name"_a = e.name, "count"_a = e.count));
+  for (const host::Event& e : result.events)
+    events.append(py::dict("t"_a = e.t, "name"_a = e.name, "count"_a = e.count));
   return py::dict("t"_a = array_of(std::move(result.t), {rows}), "channels"_a = arrays, "events"_a = events,
                   "status"_a = end_name(result.end.code), "cause"_a = result.end.cause, "end_time"_a = result.end.time,
-                  "statistics"_a = py::dict("steps"_a = result.statistics.steps, "rhs_evaluations"_a = result.statistics.rhs_evaluations,
+                  "statistics"_a = py::dict("steps"_a = result.statistics.steps,
+                                            "rhs_evaluations"_a = result.statistics.rhs_evaluations,
                                             "restarts"_a = result.statistics.restarts));
 }
 
@@ -109,51 +113,87 @@ host::Series series(const Array& t, const Array& x) {
 }
 
 void bind_metrics(py::module_& m) {
-  m.def("settling_time", [](const Array& t, const Array& x, double band, double after) { return host::settling_time(series(t, x), band, after); },
-        "t"_a, "x"_a, "band"_a, "after"_a = 0.0,
-        "First instant (s), not before `after`, from which max_i |x_i| < band to the end; nan when it is never so.");
-  m.def("window_max", [](const Array& t, const Array& x, double t0, double t1) { return host::window_max(series(t, x), t0, t1); }, "t"_a, "x"_a,
-        "t0"_a, "t1"_a, "Largest |x_i| of the samples in [t0, t1].");
-  m.def("window_max_norm", [](const Array& t, const Array& x, double t0, double t1) { return host::window_max_norm(series(t, x), t0, t1); }, "t"_a,
-        "x"_a, "t0"_a, "t1"_a, "Largest Euclidean norm of x in [t0, t1].");
-  m.def("window_rms", [](const Array& t, const Array& x, double t0, double t1) { return host::window_rms(series(t, x), t0, t1); }, "t"_a, "x"_a,
-        "t0"_a, "t1"_a, "Root of the mean over [t0, t1] of sum_i x_i^2.");
-  m.def("window_min", [](const Array& t, const Array& x, double t0, double t1) { return host::window_range(series(t, x), t0, t1).lo; }, "t"_a,
-        "x"_a, "t0"_a, "t1"_a, "Smallest value of any x_i in [t0, t1].");
-  m.def("window_upper", [](const Array& t, const Array& x, double t0, double t1) { return host::window_range(series(t, x), t0, t1).hi; }, "t"_a,
-        "x"_a, "t0"_a, "t1"_a, "Largest value (signed) of any x_i in [t0, t1].");
-  m.def("energy", [](const Array& t, const Array& u) { return host::energy(series(t, u)); }, "t"_a, "u"_a,
-        "Integral of sum_i u_i^2 dt, u held from each sample to the next.");
-  m.def("total_variation", [](const Array& t, const Array& u, double t0, double t1) { return host::total_variation(series(t, u), t0, t1); }, "t"_a,
-        "u"_a, "t0"_a, "t1"_a, "Sum over [t0, t1] of sum_i |change of u_i|, per second.");
-  m.def("fraction_at_least",
-        [](const Array& t, const Array& x, double level, double t0, double t1) { return host::fraction_at_least(series(t, x), level, t0, t1); },
-        "t"_a, "x"_a, "level"_a, "t0"_a, "t1"_a, "Share of the samples in [t0, t1] with max_i |x_i| >= level.");
-  m.def("first_reach", [](const Array& t, const Array& x, double level, double after) { return host::first_reach(series(t, x), level, after); },
-        "t"_a, "x"_a, "level"_a, "after"_a = 0.0, "First instant (s), not before `after`, with max_i |x_i| >= level; nan when there is none.");
+  m.def(
+      "settling_time",
+      [](const Array& t, const Array& x, double band, double after) {
+        return host::settling_time(series(t, x), band, after);
+      },
+      "t"_a, "x"_a, "band"_a, "after"_a = 0.0,
+      "First instant (s), not before `after`, from which max_i |x_i| < band to the end; nan when it is never so.");
+  m.def(
+      "window_max",
+      [](const Array& t, const Array& x, double t0, double t1) { return host::window_max(series(t, x), t0, t1); },
+      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest |x_i| of the samples in [t0, t1].");
+  m.def(
+      "window_max_norm",
+      [](const Array& t, const Array& x, double t0, double t1) { return host::window_max_norm(series(t, x), t0, t1); },
+      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest Euclidean norm of x in [t0, t1].");
+  m.def(
+      "window_rms",
+      [](const Array& t, const Array& x, double t0, double t1) { return host::window_rms(series(t, x), t0, t1); },
+      "t"_a, "x"_a, "t0"_a, "t1"_a, "Root of the mean over [t0, t1] of sum_i x_i^2.");
+  m.def(
+      "window_min",
+      [](const Array& t, const Array& x, double t0, double t1) { return host::window_range(series(t, x), t0, t1).lo; },
+      "t"_a, "x"_a, "t0"_a, "t1"_a, "Smallest value of any x_i in [t0, t1].");
+  m.def(
+      "window_upper",
+      [](const Array& t, const Array& x, double t0, double t1) { return host::window_range(series(t, x), t0, t1).hi; },
+      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest value (signed) of any x_i in [t0, t1].");
+  m.def(
+      "energy", [](const Array& t, const Array& u) { return host::energy(series(t, u)); }, "t"_a, "u"_a,
+      "Integral of sum_i u_i^2 dt, u held from each sample to the next.");
+  m.def(
+      "total_variation",
+      [](const Array& t, const Array& u, double t0, double t1) { return host::total_variation(series(t, u), t0, t1); },
+      "t"_a, "u"_a, "t0"_a, "t1"_a, "Sum over [t0, t1] of sum_i |change of u_i|, per second.");
+  m.def(
+      "fraction_at_least",
+      [](const Array& t, const Array& x, double level, double t0, double t1) {
+        return host::fraction_at_least(series(t, x), level, t0, t1);
+      },
+      "t"_a, "x"_a, "level"_a, "t0"_a, "t1"_a, "Share of the samples in [t0, t1] with max_i |x_i| >= level.");
+  m.def(
+      "first_reach",
+      [](const Array& t, const Array& x, double level, double after) {
+        return host::first_reach(series(t, x), level, after);
+      },
+      "t"_a, "x"_a, "level"_a, "after"_a = 0.0,
+      "First instant (s), not before `after`, with max_i |x_i| >= level; nan when there is none.");
 }
 
 }  // namespace
 
 void bind_host(py::module_& m) {
-  m.def("catalogue", [] {
-    py::dict out;
-    for (const auto& [family, names] : host::families()) out[py::str(family)] = names;
-    return out;
-  }, "Every family of the catalogue with its names.");
-  m.def("describe", &describe, "family"_a, "name"_a, "Parameters of a component: name, kind, unit, range, default, meaning.");
-  m.def("check_params",
-        [](const std::string& family, const std::string& name, const py::dict& params, const std::string& where) {
-          host::check_params(family, name, to_table(params, where), where);
-        },
-        "family"_a, "name"_a, "params"_a, "where"_a, "Raises ValueError, one line, when a parameter is unknown, of the wrong type or out of range.");
+  m.def(
+      "catalogue",
+      [] {
+        py::dict out;
+        for (const auto& [family, names] : host::families()) out[py::str(family)] = names;
+        return out;
+      },
+      "Every family of the catalogue with its names.");
+  m.def("describe", &describe, "family"_a, "name"_a,
+        "Parameters of a component: name, kind, unit, range, default, meaning.");
+  m.def(
+      "check_params",
+      [](const std::string& family, const std::string& name, const py::dict& params, const std::string& where) {
+        host::check_params(family, name, to_table(params, where), where);
+      },
+      "family"_a, "name"_a, "params"_a, "where"_a,
+      "Raises ValueError, one line, when a parameter is unknown, of the wrong type or out of range.");
   m.def("check", &check, "scenario"_a, "components"_a = py::dict(),
         "Builds everything without running; one row a component that has something to check.");
-  m.def("resolve", [](const py::dict& scenario, const py::dict& components) { return to_python(host::resolve(to_table(scenario), python_components(components))); },
-        "scenario"_a, "components"_a = py::dict(), "The scenario with every default filled in.");
-  m.def("channel_names", &channel_names, "scenario"_a, "components"_a = py::dict(), "Channels that a run of this scenario offers.");
-  m.def("simulate", &simulate, "scenario"_a, "components"_a = py::dict(), "channels"_a = py::none(), "every"_a = 1, "progress"_a = py::none(),
-        "record"_a = true,
+  m.def(
+      "resolve",
+      [](const py::dict& scenario, const py::dict& components) {
+        return to_python(host::resolve(to_table(scenario), python_components(components)));
+      },
+      "scenario"_a, "components"_a = py::dict(), "The scenario with every default filled in.");
+  m.def("channel_names", &channel_names, "scenario"_a, "components"_a = py::dict(),
+        "Channels that a run of this scenario offers.");
+  m.def("simulate", &simulate, "scenario"_a, "components"_a = py::dict(), "channels"_a = py::none(), "every"_a = 1,
+        "progress"_a = py::none(), "record"_a = true,
         "Runs one closed loop. Releases the GIL; Python components take it back for their own step only.");
   bind_metrics(m);
 }

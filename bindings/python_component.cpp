@@ -24,19 +24,23 @@ using Held = std::unique_ptr<py::object, Release>;
 
 Held hold(const py::object& object) { return Held(new py::object(object)); }
 
-std::string class_name(const py::object& object) { return py::cast<std::string>(py::type::handle_of(object).attr("__name__")); }
+std::string class_name(const py::object& object) {
+  return py::cast<std::string>(py::type::handle_of(object).attr("__name__"));
+}
 
 /// An array-like of n finite or non-finite numbers; the stack's guard judges their values.
 template <class Vector>
 void copy_numbers(const py::object& from, Eigen::Index n, Vector& out, const std::string& who) {
   py::array_t<double, py::array::c_style | py::array::forcecast> array;
   try {
-    array = py::array_t<double, py::array::c_style | py::array::forcecast>(from);
+    array = py::array_t < double, py::array::c_style | py::array::forcecast > (from);
   } catch (const py::error_already_set&) {
-    throw std::invalid_argument(who + " returned a " + class_name(from) + "; " + std::to_string(n) + " numbers belong there");
+    throw std::invalid_argument(who + " returned a " + class_name(from) + "; " + std::to_string(n) +
+                                " numbers belong there");
   }
   if (array.size() != n) {
-    throw std::invalid_argument(who + " returned " + std::to_string(array.size()) + " numbers; " + std::to_string(n) + " belong there");
+    throw std::invalid_argument(who + " returned " + std::to_string(array.size()) + " numbers; " + std::to_string(n) +
+                                " belong there");
   }
   if constexpr (Vector::SizeAtCompileTime == Eigen::Dynamic) out.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) out[i] = array.data()[i];
@@ -48,7 +52,8 @@ class PythonModel : public Base {
  public:
   PythonModel(const py::object& object, const Setup<double>& setup, const char* role)
       : setup_(setup), who_(std::string(role) + " " + class_name(object) + ".step"), object_(hold(object)) {
-    if (!py::hasattr(object, "step")) throw std::invalid_argument(std::string(role) + ": " + class_name(object) + " has no step(...)");
+    if (!py::hasattr(object, "step"))
+      throw std::invalid_argument(std::string(role) + ": " + class_name(object) + " has no step(...)");
     if (py::hasattr(object, "setup")) object.attr("setup")(setup);
     step_ = hold(object.attr("step"));
     start_ = py::hasattr(object, "start") ? hold(object.attr("start")) : nullptr;
@@ -79,12 +84,13 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
  private:
   Estimate<double> result(const py::object& out, const Measurement<double>& y) const {
     if (!py::isinstance<Estimate<double>>(out)) {
-      throw std::invalid_argument(who_ + " returned a " + class_name(out) + "; an Estimate belongs there (Estimate.healthy(y) makes one)");
+      throw std::invalid_argument(who_ + " returned a " + class_name(out) +
+                                  "; an Estimate belongs there (Estimate.healthy(y) makes one)");
     }
     Estimate<double> x = py::cast<Estimate<double>>(out);
     if (x.effectiveness.size() != actuators() || x.effectiveness_bound.size() != actuators()) {
-      throw std::invalid_argument(who_ + " returned an effectiveness of " + std::to_string(x.effectiveness.size()) + " numbers; the vehicle has " +
-                                  std::to_string(actuators()) + " actuators");
+      throw std::invalid_argument(who_ + " returned an effectiveness of " + std::to_string(x.effectiveness.size()) +
+                                  " numbers; the vehicle has " + std::to_string(actuators()) + " actuators");
     }
     x.tick = y.tick;
     return x;
@@ -105,9 +111,11 @@ class PythonDetector final : public PythonModel<host::DetectorBase> {
 
  private:
   Detection<double> result(const py::object& out) const {
-    if (!py::isinstance<Detection<double>>(out)) throw std::invalid_argument(who_ + " returned a " + class_name(out) + "; a Detection belongs there");
+    if (!py::isinstance<Detection<double>>(out))
+      throw std::invalid_argument(who_ + " returned a " + class_name(out) + "; a Detection belongs there");
     Detection<double> det = py::cast<Detection<double>>(out);
-    if (det.u_probe.size() != 0 && det.u_probe.size() != actuators()) throw std::invalid_argument(who_ + " returned a u_probe of the wrong length");
+    if (det.u_probe.size() != 0 && det.u_probe.size() != actuators())
+      throw std::invalid_argument(who_ + " returned a u_probe of the wrong length");
     return det;
   }
 };
@@ -130,7 +138,8 @@ class PythonController final : public PythonModel<host::ControllerBase> {
     Demand<double> demand;
     if (py::isinstance<Demand<double>>(out)) {
       demand = py::cast<Demand<double>>(out);
-      if (demand.u_pref.size() != 0 && demand.u_pref.size() != actuators()) throw std::invalid_argument(who_ + " returned a u_pref of the wrong length");
+      if (demand.u_pref.size() != 0 && demand.u_pref.size() != actuators())
+        throw std::invalid_argument(who_ + " returned a u_pref of the wrong length");
     } else {
       copy_numbers(out, 3, demand.tau_B, who_);
     }
@@ -140,7 +149,8 @@ class PythonController final : public PythonModel<host::ControllerBase> {
 
 class PythonAllocator final : public PythonModel<host::AllocatorBase> {
  public:
-  PythonAllocator(const py::object& object, const Setup<double>& setup, const char* role) : PythonModel(object, setup, role) {
+  PythonAllocator(const py::object& object, const Setup<double>& setup, const char* role)
+      : PythonModel(object, setup, role) {
     reset_ = py::hasattr(object, "reset") ? hold(object.attr("reset")) : nullptr;
   }
   void reset() final {
@@ -183,7 +193,8 @@ host::ExternalComponents python_components(const py::dict& objects) {
   for (const auto& [key, value] : objects) {
     const std::string role = py::cast<std::string>(key);
     if (role != "observer" && role != "detector" && role != "controller" && role != "allocator") {
-      throw std::invalid_argument("components: no role '" + role + "'; there are: observer, detector, controller, allocator");
+      throw std::invalid_argument("components: no role '" + role +
+                                  "'; there are: observer, detector, controller, allocator");
     }
   }
   return {factory<PythonObserver, host::ObserverBase>(objects, "observer"),

@@ -25,7 +25,8 @@ Value to_value(py::handle object, const std::string& where) {
   if (py::isinstance<py::int_>(object)) {
     int overflow = 0;
     const long long whole = PyLong_AsLongLongAndOverflow(object.ptr(), &overflow);
-    return overflow != 0 ? Value(py::cast<double>(py::float_(py::reinterpret_borrow<py::object>(object)))) : Value(std::int64_t{whole});
+    return overflow != 0 ? Value(py::cast<double>(py::float_(py::reinterpret_borrow<py::object>(object))))
+                         : Value(std::int64_t{whole});
   }
   if (py::isinstance<py::float_>(object)) return py::cast<double>(object);
   if (py::isinstance<py::str>(object)) return py::cast<std::string>(object);

@@ -12,11 +12,10 @@ template <Observer O, Detector D>
 class Estimator {
  public:
   using Scalar = typename O::Scalar;
-  static constexpr bool cannot_throw = noexcept(std::declval<O&>().step(
-      std::declval<const Measurement<Scalar>&>(),
-      std::declval<const Allocation<Scalar>&>()))&& noexcept(std::declval<D&>()
-                                                                 .step(std::declval<const Estimate<Scalar>&>(),
-                                                                       std::declval<const Allocation<Scalar>&>()));
+  static constexpr bool cannot_throw = noexcept(std::declval<O&>().step(std::declval<const Measurement<Scalar>&>(),
+                                                                        std::declval<const Allocation<Scalar>&>())) &&
+                                       noexcept(std::declval<D&>().step(std::declval<const Estimate<Scalar>&>(),
+                                                                        std::declval<const Allocation<Scalar>&>()));
 
   Estimator(const Vehicle<Scalar>& vehicle, O o, D d)
       : observer(std::move(o)), detector(std::move(d)), vehicle_(vehicle) {}

@@ -17,13 +17,13 @@ template <Observer O, Detector D, Controller C, Allocator A>
 class FlightStack {
  public:
   using Scalar = typename O::Scalar;
-  static constexpr bool cannot_throw = Estimator<O, D>::cannot_throw&& noexcept(std::declval<C&>().step(
-      std::declval<const Estimate<Scalar>&>(), std::declval<const Detection<Scalar>&>(),
-      std::declval<const Reference<Scalar>&>(),
-      std::declval<const Allocation<Scalar>&>()))&& noexcept(std::declval<A&>()
-                                                                 .step(std::declval<const Demand<Scalar>&>(),
-                                                                       std::declval<const Estimate<Scalar>&>(),
-                                                                       std::declval<const Detection<Scalar>&>()));
+  static constexpr bool cannot_throw =
+      Estimator<O, D>::cannot_throw &&
+      noexcept(std::declval<C&>().step(
+          std::declval<const Estimate<Scalar>&>(), std::declval<const Detection<Scalar>&>(),
+          std::declval<const Reference<Scalar>&>(), std::declval<const Allocation<Scalar>&>())) &&
+      noexcept(std::declval<A&>().step(std::declval<const Demand<Scalar>&>(), std::declval<const Estimate<Scalar>&>(),
+                                       std::declval<const Detection<Scalar>&>()));
 
   FlightStack(const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_)
       : estimator(setup.vehicle, std::move(observer), std::move(detector)),
