@@ -29,10 +29,11 @@ cpp: debian-test  ## C++ libraries and tests, optimised
 	@$(STEP) headers-alone cmake --build --preset release --target all_verify_interface_header_sets
 	@$(STEP) ctest-release ctest --preset release
 
-asan: debian-test  ## C++ unit tests under the address and undefined-behaviour sanitizers
-	@$(STEP) configure-asan cmake --preset asan
+asan: debian-test $(VENV)/venv.stamp  ## C++ unit tests and a short loop per component, under the address and undefined-behaviour sanitizers
+	@$(STEP) configure-asan cmake --preset asan -DPython_EXECUTABLE=$(abspath $(BIN)/python)
 	@$(STEP) build-asan cmake --build --preset asan
 	@$(STEP) ctest-asan ctest --preset asan
+	@$(STEP) short-loops scripts/sanitized $(BIN)/python tests/sanitized/short_loops.py build/asan/bindings
 
 python: debian-run $(VENV)/package.stamp $(VENV)/test.stamp  ## Python tests, types and stubs
 	@$(STEP) pytest $(BIN)/pytest
