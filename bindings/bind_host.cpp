@@ -7,6 +7,7 @@
 
 #include <optional>
 
+#include "gyrostat/flight/compensation_margin.hpp"
 #include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/metrics.hpp"
 #include "gyrostat/host/simulate.hpp"
@@ -195,6 +196,8 @@ void bind_host(py::module_& m) {
   m.def("simulate", &simulate, "scenario"_a, "components"_a = py::dict(), "channels"_a = py::none(), "every"_a = 1,
         "progress"_a = py::none(), "record"_a = true,
         "Runs one closed loop. Releases the GIL; Python components take it back for their own step only.");
+  m.def("critical_effectiveness", &critical_effectiveness<double>, "lambda1"_a, "lambda2"_a,
+        "Effectiveness above which feeding the estimate of a finite-time observer forward is stable.");
   bind_metrics(m);
 }
 

@@ -154,11 +154,18 @@ def describe_parameter(param: Mapping[str, Any]) -> str:
     return "; ".join(facts)
 
 
+UNBOUNDED = float(np.finfo(float).max)
+"""A bound that says: any finite number."""
+
+
 def range_text(param: Mapping[str, Any]) -> str:
-    """``[lo, hi]``, or "" when every number is allowed."""
-    if param["kind"] in ("choice", "switch", "text") or (param["lo"] == -np.inf and param["hi"] == np.inf):
+    """``[lo, hi]``, ``>= lo``, ``<= hi``, or "" when every number is allowed; `inf` in it means that infinity is, too."""
+    if param["kind"] in ("choice", "switch", "text"):
         return ""
-    return f"[{param['lo']:g}, {param['hi']:g}]"
+    above, below = (abs(param[end]) < UNBOUNDED for end in ("lo", "hi"))
+    if above and (below or param["hi"] == np.inf):
+        return f"[{param['lo']:g}, {param['hi']:g}]"
+    return f">= {param['lo']:g}" if above else f"<= {param['hi']:g}" if below else ""
 
 
 def _constructor(info: Mapping[str, Any], module: str) -> Callable[..., Component]:

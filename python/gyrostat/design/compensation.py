@@ -21,6 +21,7 @@ from typing import Literal
 
 import numpy as np
 
+from gyrostat import _core
 from gyrostat.components import Matrix
 from gyrostat.errors import InputError
 from gyrostat.scenario import Scenario
@@ -57,8 +58,7 @@ def critical_effectiveness(lambda1: float, lambda2: float) -> float:
     """
     if not (lambda1 > 0.0 and lambda2 > 0.0):
         raise InputError(f"lambda1 = {lambda1:g} and lambda2 = {lambda2:g} must be positive")
-    kappa = lambda2 / lambda1**2
-    return float(kappa / (1.0 + np.sqrt(kappa)) ** 2)
+    return _core.critical_effectiveness(lambda1, lambda2)
 
 
 def compensation_margin(lambda1: float, lambda2: float, effectiveness: tuple[float, float]) -> CompensationMargin:
