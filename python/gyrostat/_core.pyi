@@ -22,6 +22,7 @@ __all__: list[str] = [
     "channel_names",
     "check",
     "check_params",
+    "critical_effectiveness",
     "dcm_from_quat",
     "describe",
     "energy",
@@ -389,6 +390,13 @@ def check(scenario: dict, components: dict = {}) -> list:
 def check_params(family: str, name: str, params: dict, where: str) -> None:
     """
     Raises ValueError, one line, when a parameter is unknown, of the wrong type or out of range.
+    """
+
+def critical_effectiveness(
+    lambda1: typing.SupportsFloat | typing.SupportsIndex, lambda2: typing.SupportsFloat | typing.SupportsIndex
+) -> float:
+    """
+    Effectiveness above which feeding the estimate of a finite-time observer forward is stable.
     """
 
 def dcm_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:

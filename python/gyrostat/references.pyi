@@ -16,9 +16,9 @@ def Hold(
     q_NR
         attitude as a quaternion, scalar first; [-1, 1]; default [1.0, 0.0, 0.0, 0.0]
     mrp
-        attitude as MRP, instead of q_NR; [-1.79769e+308, 1.79769e+308]
+        attitude as MRP, instead of q_NR
     euler
-        attitude as roll, pitch, yaw, instead of q_NR; rad; [-1.79769e+308, 1.79769e+308]
+        attitude as roll, pitch, yaw, instead of q_NR; rad
     """
 
 def Steps(
@@ -32,11 +32,11 @@ def Steps(
     Parameters
     ----------
     times
-        instants of the jumps, increasing; the first attitude holds before them too; s; [0, 1.79769e+308]; default []
+        instants of the jumps, increasing; the first attitude holds before them too; s; >= 0; default []
     euler
-        one row [roll, pitch, yaw] a time; rad; [-1.79769e+308, 1.79769e+308]; default []
+        one row [roll, pitch, yaw] a time; rad; default []
     mrp
-        one row a time, instead of euler; [-1.79769e+308, 1.79769e+308]; default []
+        one row a time, instead of euler; default []
     """
 
 def Slew(
@@ -51,13 +51,13 @@ def Slew(
     Parameters
     ----------
     duration
-        how long it takes; s; [1e-09, 1.79769e+308]
+        how long it takes; s; >= 1e-09
     from_euler
-        roll, pitch, yaw before; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+        roll, pitch, yaw before; rad; default [0.0, 0.0, 0.0]
     to_euler
-        roll, pitch, yaw after; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+        roll, pitch, yaw after; rad; default [0.0, 0.0, 0.0]
     start
-        when it begins; s; [0, 1.79769e+308]; default 0.0
+        when it begins; s; >= 0; default 0.0
     """
 
 def MrpSine(
@@ -78,7 +78,7 @@ def MrpSine(
     frequency
         of each component; rad/s; [-1000, 1000]; default [0.0, 0.0, 0.0]
     phase
-        of each component; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+        of each component; rad; default [0.0, 0.0, 0.0]
     """
 
 def EulerSine(
@@ -93,13 +93,13 @@ def EulerSine(
     Parameters
     ----------
     offset
-        mean roll, pitch, yaw; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+        mean roll, pitch, yaw; rad; default [0.0, 0.0, 0.0]
     amplitude
-        of each angle; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+        of each angle; rad; default [0.0, 0.0, 0.0]
     frequency
         of each angle; rad/s; [-1000, 1000]; default [0.0, 0.0, 0.0]
     phase
-        of each angle; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+        of each angle; rad; default [0.0, 0.0, 0.0]
     """
 
 def Sine(
@@ -114,11 +114,11 @@ def Sine(
     Parameters
     ----------
     euler
-        roll, pitch, yaw at the start; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+        roll, pitch, yaw at the start; rad; default [0.0, 0.0, 0.0]
     amplitude
         of each rate; rad/s; [-10, 10]; default [0.0, 0.0, 0.0]
     frequency
         of each rate; rad/s; [-1000, 1000]; default [0.0, 0.0, 0.0]
     phase
-        of each rate; rad; [-1.79769e+308, 1.79769e+308]; default [0.0, 0.0, 0.0]
+        of each rate; rad; default [0.0, 0.0, 0.0]
     """
