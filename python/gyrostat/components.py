@@ -159,7 +159,7 @@ UNBOUNDED = float(np.finfo(float).max)
 
 
 def range_text(param: Mapping[str, Any]) -> str:
-    """``[lo, hi]``, ``>= lo``, ``<= hi``, or "" when every number is allowed; `inf` in it means that infinity is, too."""
+    """``[lo, hi]``, ``>= lo``, ``<= hi``, or "" for any number; `inf` in it means that infinity is allowed."""
     if param["kind"] in ("choice", "switch", "text"):
         return ""
     above, below = (abs(param[end]) < UNBOUNDED for end in ("lo", "hi"))

@@ -45,9 +45,24 @@ class Solver : public AnySolver {
     p.residual_weight = S(posed.residual_weight);
     p.margin = S(posed.margin);
     const typename Library::Solution s = library_.solve(p, state_);
-    return {judged(D, weight, p), extended(s.command), extended(s.achieved), extended(s.multiplier),
-            extended(s.infeasibility_direction), s.theta, s.scale, s.primal, s.gap, s.worst_case, s.residual_norm,
-            s.residual_excess, s.residual_weight, s.saturated, s.newton, s.outer, s.status, s.warnings};
+    return {judged(D, weight, p),
+            extended(s.command),
+            extended(s.achieved),
+            extended(s.multiplier),
+            extended(s.infeasibility_direction),
+            s.theta,
+            s.scale,
+            s.primal,
+            s.gap,
+            s.worst_case,
+            s.residual_norm,
+            s.residual_excess,
+            s.residual_weight,
+            s.saturated,
+            s.newton,
+            s.outer,
+            s.status,
+            s.warnings};
   }
 
   void reset() override { state_.reset(); }
@@ -112,7 +127,9 @@ std::unique_ptr<AnySolver> Kind::solver() const {
   return std::make_unique<Solver<double, 6, 12>>();
 }
 
-std::vector<Kind> all_kinds() { return {{"double3", false, 3}, {"float3", true, 3}, {"double6", false, 6}, {"float6", true, 6}}; }
+std::vector<Kind> all_kinds() {
+  return {{"double3", false, 3}, {"float3", true, 3}, {"double6", false, 6}, {"float6", true, 6}};
+}
 std::vector<Kind> kinds_of_three_rows() { return {{"double3", false, 3}, {"float3", true, 3}}; }
 
 }  // namespace gyrostat::test

@@ -102,7 +102,8 @@ inline Posed random_problem(Random& random, std::size_t rows, std::size_t n) {
     p.preferred[i] = preferring ? random.uniform(-0.1, 0.1) : 0;
     p.bound[i] = random.uniform(0, 0.3);
     const double t = kind >= 0.5 ? (random.uniform(0, 1) < 0.5 ? -1 : 1) : random.uniform(-1, 1);
-    for (std::size_t r = 0; r < rows; ++r) p.demand[r] += D[r][i] * p.effectiveness[i] * far * t * (t > 0 ? p.up[i] : -p.lo[i]);
+    for (std::size_t r = 0; r < rows; ++r)
+      p.demand[r] += D[r][i] * p.effectiveness[i] * far * t * (t > 0 ? p.up[i] : -p.lo[i]);
   }
   return p;
 }

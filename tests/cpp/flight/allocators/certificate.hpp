@@ -14,12 +14,12 @@ using Matrix = std::vector<Vector>;  // a row each
 
 /// minimise over lo <= t <= up: effort 1/2 sum p (t - preferred)^2 and |A t - u|. A and u carry the row weights.
 struct Problem {
-  Matrix A;   // weighted axes times effectiveness
-  Matrix D;   // weighted axes
+  Matrix A;  // weighted axes times effectiveness
+  Matrix D;  // weighted axes
   Matrix A_unweighted;
   Vector demand, row_weight;  // demand: unweighted
   Vector u, lo, up, preferred, p;
-  Vector g;   // bound times effectiveness
+  Vector g;  // bound times effectiveness
   std::size_t rows() const { return A.size(); }
   std::size_t actuators() const { return lo.size(); }
 };
@@ -194,8 +194,8 @@ inline Real robust_primal(const Problem& q, const Spread& s, const Vector& t, Re
   return effort(q, t) + h * worst * worst / 2;
 }
 /// Lower bound of the robust objective from y and theta; t only chooses which bound.
-inline Real robust_dual(const Problem& q, const Spread& s, const Vector& t, const Vector& y, Real theta, Real h, Shape shape,
-                        Real margin) {
+inline Real robust_dual(const Problem& q, const Spread& s, const Vector& t, const Vector& y, Real theta, Real h,
+                        Shape shape, Real margin) {
   Vector z = y;
   for (Real& v : z) v = -v / h;
   Vector slope = transposed_times(q.A, z);

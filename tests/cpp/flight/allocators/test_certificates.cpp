@@ -25,7 +25,8 @@ class Certificates : public testing::TestWithParam<Kind> {
   /// Random problems of 3 to 16 actuators (6 to 12 for six rows), solved cold.
   std::vector<Outcome> solve(const Settings& settings) const {
     const std::size_t rows = static_cast<std::size_t>(GetParam().rows);
-    const std::vector<std::size_t> actuators = rows == 3 ? std::vector<std::size_t>{3, 4, 6, 8, 12, 16} : std::vector<std::size_t>{6, 8, 12};
+    const std::vector<std::size_t> actuators =
+        rows == 3 ? std::vector<std::size_t>{3, 4, 6, 8, 12, 16} : std::vector<std::size_t>{6, 8, 12};
     const std::unique_ptr<AnySolver> solver = GetParam().solver();
     Random random(20);
     std::vector<Outcome> out;
@@ -67,7 +68,8 @@ class Certificates : public testing::TestWithParam<Kind> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(, Certificates, testing::ValuesIn(all_kinds()), [](const auto& kind) { return name_of(kind.param); });
+INSTANTIATE_TEST_SUITE_P(, Certificates, testing::ValuesIn(all_kinds()),
+                         [](const auto& kind) { return name_of(kind.param); });
 
 TEST_P(Certificates, ClosestTorqueIsWithinRoundingOfItsLowerBound) {
   // Of the torque scale. Rounding alone leaves n epsilon (4e-15, 2e-6), times the condition of the unclipped actuators.

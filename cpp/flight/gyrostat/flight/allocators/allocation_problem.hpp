@@ -35,9 +35,10 @@ enum class AllocationStatus : std::uint8_t {
 /// Bits of AllocationSolution::warnings.
 struct AllocationWarning {
   static constexpr std::uint8_t effectiveness_clamped = 1;  ///< above 1
-  static constexpr std::uint8_t weight_capped = 2;          ///< residual or effort weight beyond what the scalar resolves
-  static constexpr std::uint8_t demand_clamped = 4;         ///< demand or preference beyond 1/sqrt(epsilon) limits
-  static constexpr std::uint8_t direction_lost = 8;         ///< no part of the demand's ray is attainable: closest torque instead
+  static constexpr std::uint8_t weight_capped = 2;   ///< residual or effort weight beyond what the scalar resolves
+  static constexpr std::uint8_t demand_clamped = 4;  ///< demand or preference beyond 1/sqrt(epsilon) limits
+  static constexpr std::uint8_t direction_lost =
+      8;  ///< no part of the demand's ray is attainable: closest torque instead
 };
 
 template <class S, int N>
@@ -48,20 +49,22 @@ template <class S, int M, int N>
 struct AllocationProblem {
   using Torque = Eigen::Matrix<S, M, 1>;
 
-  Torque demand = Torque::Zero();      ///< N m
-  PerActuator<S, N> effectiveness;     ///< delivered / commanded, >= 0; above 1 is clamped
-  PerActuator<S, N> lo, up;            ///< N m, limits of the command; infinite: none
-  PerActuator<S, N> preferred;         ///< N m
-  PerActuator<S, N> effort_weight;     ///< > 0
-  PerActuator<S, N> bound;             ///< relative half-width of the effectiveness, >= 0
+  Torque demand = Torque::Zero();   ///< N m
+  PerActuator<S, N> effectiveness;  ///< delivered / commanded, >= 0; above 1 is clamped
+  PerActuator<S, N> lo, up;         ///< N m, limits of the command; infinite: none
+  PerActuator<S, N> preferred;      ///< N m
+  PerActuator<S, N> effort_weight;  ///< > 0
+  PerActuator<S, N> bound;          ///< relative half-width of the effectiveness, >= 0
   AllocationMode mode = AllocationMode::lexicographic;
   WorstCase worst_case = WorstCase::bound;
-  S residual_weight = S(1e4);          ///< gamma (weighted_least_squares), h (robust_socp); unit of effort_weight / (row weight D)^2
-  S margin = S(0);                     ///< N m (row-weighted), paper_constant only
-  std::array<std::uint8_t, M> priority{};  ///< rows of a smaller number are served first (lexicographic); equal: together
+  S residual_weight =
+      S(1e4);       ///< gamma (weighted_least_squares), h (robust_socp); unit of effort_weight / (row weight D)^2
+  S margin = S(0);  ///< N m (row-weighted), paper_constant only
+  std::array<std::uint8_t, M>
+      priority{};  ///< rows of a smaller number are served first (lexicographic); equal: together
   /// Less than this is treated as failed: the closest torque would saturate such an actuator for nothing.
   S effectiveness_min = sizeof(S) < 8 ? S(1e-2) : S(1e-3);
-  int max_newton = 200;                ///< limit of all Newton steps together
+  int max_newton = 200;  ///< limit of all Newton steps together
 
   /// n healthy actuators of known effectiveness within +- `limit`, preferring zero, equal weights.
   static AllocationProblem symmetric(int n, S limit) noexcept {
@@ -92,20 +95,21 @@ template <class S, int M, int N>
 struct AllocationSolution {
   using Torque = Eigen::Matrix<S, M, 1>;
 
-  PerActuator<S, N> command;             ///< N m, inside the box without exception
-  Torque achieved = Torque::Zero();      ///< N m, D diag(effectiveness) command
-  Torque residual = Torque::Zero();      ///< N m, demand - achieved
-  S residual_norm = S(0);                ///< |W residual|
-  S residual_excess = S(0);              ///< lexicographic modes: residual_norm less a proven lower bound of it
-  Torque multiplier = Torque::Zero();    ///< y: with it anybody can check primal, dual and gap
-  S theta = S(0);                        ///< robust_socp: split of the worst case
-  S scale = S(1);                        ///< lexicographic_scaled: delivered share of the demand
-  S worst_case = S(0);                   ///< worst |W r| under `bound`
-  S primal = S(0), dual = S(0);          ///< lexicographic modes: effort, and its bound at the achieved torque
-  S gap = S(0);                          ///< primal - dual, summed from terms that are never negative
-  S residual_weight = S(0);              ///< as used, after capping
-  Torque infeasibility_direction = Torque::Zero();  ///< v: v'demand > max over the box of v'D e tau; zero when there is none
-  std::uint32_t saturated = 0;           ///< bit i: command i sits on a limit
+  PerActuator<S, N> command;           ///< N m, inside the box without exception
+  Torque achieved = Torque::Zero();    ///< N m, D diag(effectiveness) command
+  Torque residual = Torque::Zero();    ///< N m, demand - achieved
+  S residual_norm = S(0);              ///< |W residual|
+  S residual_excess = S(0);            ///< lexicographic modes: residual_norm less a proven lower bound of it
+  Torque multiplier = Torque::Zero();  ///< y: with it anybody can check primal, dual and gap
+  S theta = S(0);                      ///< robust_socp: split of the worst case
+  S scale = S(1);                      ///< lexicographic_scaled: delivered share of the demand
+  S worst_case = S(0);                 ///< worst |W r| under `bound`
+  S primal = S(0), dual = S(0);        ///< lexicographic modes: effort, and its bound at the achieved torque
+  S gap = S(0);                        ///< primal - dual, summed from terms that are never negative
+  S residual_weight = S(0);            ///< as used, after capping
+  Torque infeasibility_direction =
+      Torque::Zero();           ///< v: v'demand > max over the box of v'D e tau; zero when there is none
+  std::uint32_t saturated = 0;  ///< bit i: command i sits on a limit
   int newton = 0, outer = 0;
   AllocationStatus status = AllocationStatus::optimal;
   std::uint8_t warnings = 0;

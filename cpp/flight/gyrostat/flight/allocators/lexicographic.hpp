@@ -19,7 +19,8 @@ class Lexicographic : public OptimalAllocator<S> {
 
     static constexpr void describe(auto& p, auto&& field) {
       OptimalAllocatorParams<S>::describe(p, field);
-      field(p.axis_priority, Field{"axis_priority", "", 0, 2, "0 is served first, whatever it costs the others; equal: together"});
+      field(p.axis_priority,
+            Field{"axis_priority", "", 0, 2, "0 is served first, whatever it costs the others; equal: together"});
     }
     static Params defaults(const Setup<S>& setup) noexcept { return {Lexicographic::shared_defaults(setup)}; }
   };
@@ -30,7 +31,8 @@ class Lexicographic : public OptimalAllocator<S> {
 
   Lexicographic(const Setup<S>& setup, const Params& params) noexcept
       : OptimalAllocator<S>(setup, params, AllocationMode::lexicographic) {
-    for (int r = 0; r < 3; ++r) this->problem().priority[std::size_t(r)] = static_cast<std::uint8_t>(params.axis_priority[r]);
+    for (int r = 0; r < 3; ++r)
+      this->problem().priority[std::size_t(r)] = static_cast<std::uint8_t>(params.axis_priority[r]);
   }
 
   void telemetry(auto&& log) const {

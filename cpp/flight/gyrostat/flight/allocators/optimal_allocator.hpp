@@ -29,12 +29,15 @@ struct OptimalAllocatorParams {
   S e_min = S(0.01);
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.effort_weight, Field{"effort_weight", "", 1e-6, 1e6, "price of an actuator's squared torque against the others'"});
-    field(p.uncertainty_weight,
-          Field{"uncertainty_weight", "", 0, 1e6, "added to effort_weight, times (effectiveness_bound effectiveness)^2"});
+    field(p.effort_weight,
+          Field{"effort_weight", "", 1e-6, 1e6, "price of an actuator's squared torque against the others'"});
+    field(p.uncertainty_weight, Field{"uncertainty_weight", "", 0, 1e6,
+                                      "added to effort_weight, times (effectiveness_bound effectiveness)^2"});
     field(p.axis_weight, Field{"axis_weight", "", 1e-3, 1e3, "how much a missing torque about each body axis matters"});
-    field(p.bound_policy, Choice{"bound_policy", "physical|derated", "limit of a weakened actuator: u_max, or effectiveness u_max"});
-    field(p.bound_cap, Field{"bound_cap", "", 0, 1, "effectiveness_bound is taken as this where it is larger or unknown"});
+    field(p.bound_policy,
+          Choice{"bound_policy", "physical|derated", "limit of a weakened actuator: u_max, or effectiveness u_max"});
+    field(p.bound_cap,
+          Field{"bound_cap", "", 0, 1, "effectiveness_bound is taken as this where it is larger or unknown"});
     field(p.e_min, Field{"e_min", "", 1e-3, 1, "weaker actuators are not used"});
   }
 };
@@ -64,7 +67,8 @@ class OptimalAllocator {
     out.u = solution_.command;
     out.demand_B = demand.tau_B;
     out.achieved_B = torque<S>(vehicle_.D_B, x.effectiveness.cwiseProduct(out.u));
-    for (int i = 0; i < vehicle_.actuators(); ++i) out.saturated.set(i, usable_.test(i) && (solution_.saturated >> i & 1u) != 0u);
+    for (int i = 0; i < vehicle_.actuators(); ++i)
+      out.saturated.set(i, usable_.test(i) && (solution_.saturated >> i & 1u) != 0u);
     out.worst_case = solution_.worst_case;
     out.gap = has_weight() ? solution_.gap : solution_.residual_excess;
     out.iterations = solution_.newton;

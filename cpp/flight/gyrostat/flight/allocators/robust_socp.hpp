@@ -23,8 +23,10 @@ class RobustSocp : public OptimalAllocator<S> {
 
     static constexpr void describe(auto& p, auto&& field) {
       OptimalAllocatorParams<S>::describe(p, field);
-      field(p.residual_weight, Field{"residual_weight", "", 1e-6, 1e12, "price of the squared worst missing torque against effort"});
-      field(p.worst_case, Choice{"worst_case", "bound|exact|paper_constant", "closed-form bound, exact worst case, or |r| + margin"});
+      field(p.residual_weight,
+            Field{"residual_weight", "", 1e-6, 1e12, "price of the squared worst missing torque against effort"});
+      field(p.worst_case,
+            Choice{"worst_case", "bound|exact|paper_constant", "closed-form bound, exact worst case, or |r| + margin"});
       field(p.margin, Field{"margin", "N m", 0, 1e6, "constant added to |r|; used by paper_constant alone"});
     }
     static Params defaults(const Setup<S>& setup) noexcept {
@@ -34,9 +36,12 @@ class RobustSocp : public OptimalAllocator<S> {
     }
   };
 
-  static Status<S> check(const Setup<S>& setup, const Params& params) noexcept { return RobustSocp::check_shared(setup, params); }
+  static Status<S> check(const Setup<S>& setup, const Params& params) noexcept {
+    return RobustSocp::check_shared(setup, params);
+  }
 
-  RobustSocp(const Setup<S>& setup, const Params& params) noexcept : OptimalAllocator<S>(setup, params, AllocationMode::robust_socp) {
+  RobustSocp(const Setup<S>& setup, const Params& params) noexcept
+      : OptimalAllocator<S>(setup, params, AllocationMode::robust_socp) {
     this->problem().residual_weight = params.residual_weight;
     this->problem().worst_case = params.worst_case;
     this->problem().margin = params.margin;

@@ -23,10 +23,10 @@ struct RobustTorque {
 
   // The problem, in the scaled units of the kernel.
   std::array<S, N> effort, preferred;
-  std::array<S, N> growth;         ///< h s_max^2 (bound_i e_i)^2; zero for a constant margin
+  std::array<S, N> growth;  ///< h s_max^2 (bound_i e_i)^2; zero for a constant margin
   Matrix Sb = Matrix::Identity();
   S h = S(1);
-  S margin = S(-1);                ///< constant spread; negative: it grows with tau
+  S margin = S(-1);  ///< constant spread; negative: it grows with tau
 
   // The answer, beside the kernel's.
   int outer = 0;

@@ -20,7 +20,8 @@ class WeightedLeastSquares : public OptimalAllocator<S> {
 
     static constexpr void describe(auto& p, auto&& field) {
       OptimalAllocatorParams<S>::describe(p, field);
-      field(p.residual_weight, Field{"residual_weight", "", 1e-6, 1e12, "price of the squared missing torque against effort"});
+      field(p.residual_weight,
+            Field{"residual_weight", "", 1e-6, 1e12, "price of the squared missing torque against effort"});
     }
     /// 1e4 against an actuator with a unit axis: a thousandth of a per cent of an attainable demand is left.
     static Params defaults(const Setup<S>& setup) noexcept {
