@@ -99,7 +99,8 @@ class AllocationSolver {
   bool acceptable(const Problem& p) const noexcept {
     const Eigen::Index n = D_.cols();
     if (!box_acceptable(p)) return false;
-    if (p.effectiveness.size() != n || p.preferred.size() != n || p.effort_weight.size() != n || p.bound.size() != n) return false;
+    if (p.effectiveness.size() != n || p.preferred.size() != n || p.effort_weight.size() != n || p.bound.size() != n)
+      return false;
     constexpr S infinity = std::numeric_limits<S>::infinity();
     bool good = p.residual_weight > S(0) && p.residual_weight < infinity && p.margin >= S(0) && p.margin < infinity &&
                 p.effectiveness_min >= S(0) && p.max_newton > 0;
@@ -188,7 +189,8 @@ class AllocationSolver {
   Torque warm_start(const Problem& p, const State& state) const noexcept {
     if (!state.valid || state.mode != p.mode) return Torque::Zero();
     const Torque y = state.multiplier * (geometry_ / (effort_ * torque_));
-    const S largest = S(10) * weight_cap * (size_ + S(1));
+    const bool weighted = p.mode == AllocationMode::weighted_least_squares || p.mode == AllocationMode::robust_socp;
+    const S largest = (weighted ? S(10) * residual_weight_ : single ? S(1e2) : S(1e6)) * (size_ + S(1));
     return y.cwiseAbs().maxCoeff() <= largest ? y : Torque::Zero();
   }
 
@@ -203,6 +205,7 @@ class AllocationSolver {
     const std::array<Torque, N> a = kernel_.a;
     const Torque b = kernel_.b;
     Closest closest;
+    Eigen::Matrix<S, M, M> settled = Eigen::Matrix<S, M, M>::Zero();
     unsigned held = 0;
     bool attained = true;
     for (int level = *first; level <= *last; ++level) {
@@ -213,9 +216,10 @@ class AllocationSolver {
         for (int r = 0; r < M; ++r) kernel_.a[size_t(i)][r] = ((rows | held) >> r & 1u) != 0u ? a[size_t(i)][r] : S(0);
       for (int r = 0; r < M; ++r)
         if ((held >> r & 1u) == 0u) kernel_.b[r] = (rows >> r & 1u) != 0u ? b[r] : S(0);
-      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton, held).from(held == 0 ? Torque::Zero() : closest.y);
+      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton, held, settled).from(Torque::Zero());
       out.outer += closest.rounds + 1;
       attained = attained && closest.attained;
+      if (!closest.attained) settled += settle(closest);
       held |= rows;
       for (int r = 0; r < M; ++r) {
         if ((rows >> r & 1u) == 0u) continue;
@@ -225,6 +229,19 @@ class AllocationSolver {
     }
     closest.attained = attained;
     return closest;
+  }
+
+  /// A row that is as close as it comes leaves no choice to the actuators that act along the separating direction.
+  Eigen::Matrix<S, M, M> settle(const Closest& closest) noexcept {
+    constexpr S negligible = single ? S(1e-4) : S(1e-9);
+    const S length = closest.direction.norm();
+    if (!(length > S(0))) return Eigen::Matrix<S, M, M>::Zero();
+    const Torque v = closest.direction / length;
+    for (int i = 0; i < kernel_.n; ++i) {
+      const size_t k = size_t(i);
+      if (std::abs(kernel_.a[k].dot(v)) > negligible) kernel_.lo[k] = kernel_.up[k] = closest.tau[k];
+    }
+    return v * v.transpose();
   }
 
   /// The largest s in [0, 1] with s b attainable, by cuts: a direction v that separates s b from the attainable set proves
@@ -335,9 +352,15 @@ class AllocationSolver {
     out.theta = theta;
     rho = std::sqrt(rho);
     switch (p.mode == AllocationMode::robust_socp ? p.worst_case : WorstCase::bound) {
-      case WorstCase::bound: out.worst_case = spread_.bound(out.residual_norm, rho); break;
-      case WorstCase::exact: out.worst_case = spread_.exact(weighted, rho, theta); break;
-      case WorstCase::paper_constant: out.worst_case = out.residual_norm + p.margin; break;
+      case WorstCase::bound:
+        out.worst_case = spread_.bound(out.residual_norm, rho);
+        break;
+      case WorstCase::exact:
+        out.worst_case = spread_.exact(weighted, rho, theta);
+        break;
+      case WorstCase::paper_constant:
+        out.worst_case = out.residual_norm + p.margin;
+        break;
     }
     certify(p, theta, closest, out);
     if (capped)
@@ -348,7 +371,8 @@ class AllocationSolver {
   }
 
   bool delivered(const Problem& p, const Closest& closest, const Solution& out) const noexcept {
-    if (p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled) return closest.attained;
+    if (p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled)
+      return closest.attained;
     return out.residual_norm <= S(1e-3) * W_.cwiseProduct(p.demand).norm();
   }
 
@@ -424,7 +448,8 @@ class AllocationSolver {
   }
 
   /// A torque direction along which the whole attainable set falls short of the demand, if there is one to be seen.
-  void prove_infeasible(const Problem& p, const Closest& closest, const Torque& weighted, Solution& out) const noexcept {
+  void prove_infeasible(const Problem& p, const Closest& closest, const Torque& weighted,
+                        Solution& out) const noexcept {
     const bool known = closest.direction.squaredNorm() > S(0);
     if (!known && !(out.residual_norm > S(0))) return;
     const Torque v = known ? closest.direction : Torque(weighted / out.residual_norm);

@@ -51,14 +51,16 @@ class ClosestTorqueSolve {
 
   /// @param size of the torques of the problem   @param cap on the kernel's count of steps
   /// @param held bit r: row r keeps its demand (known to be attainable) exactly, and the others come as close as they can
-  ClosestTorqueSolve(Kernel& kernel, S size, int cap, unsigned held = 0) noexcept : k(kernel), size_(size), cap_(cap), held_(held) {}
+  /// @param settled sum of v v' over directions in which nothing can move any more
+  ClosestTorqueSolve(Kernel& kernel, S size, int cap, unsigned held = 0,
+                     const Eigen::Matrix<S, M, M>& settled = Eigen::Matrix<S, M, M>::Zero()) noexcept
+      : k(kernel), size_(size), cap_(cap), held_(held), settled_(settled) {}
 
   Result from(const Torque& start) noexcept {
     Result out;
     S trace = S(0);
     for (int i = 0; i < k.n; ++i) trace += k.compliance[std::size_t(i)] * k.a[std::size_t(i)].squaredNorm();
     S delta = (single ? S(1e-3) : S(1e-6)) * (trace > S(0) ? trace / S(M) : S(1));
-    const S smallest = delta * S(1e-4);
     Torque y = start;
     for (; out.rounds < 10; ++out.rounds) {
       if (exactly(y)) {
@@ -67,13 +69,13 @@ class ClosestTorqueSolve {
         return out;
       }
       if (out.rounds == 0 && k.y().norm() * delta <= S(10) * size_) y = k.y();  // later rounds go on from the last one
-      const Torque before = y;
       proximal(y, delta);
       out.capped = k.steps >= cap_;
-      judge(before, out);
+      judge(out);
       y = k.y();
-      if (out.attained || out.capped || (out.excess <= excess_tolerance() && out.effort_gap <= effort_tolerance())) return out;
-      delta = std::max(delta / S(10), smallest);
+      if (out.attained || out.capped || (out.excess <= excess_tolerance() && out.effort_gap <= effort_tolerance()))
+        return out;
+      delta = std::max(delta / S(10), left_ / largest_multiplier);
     }
     return out;
   }
@@ -81,47 +83,51 @@ class ClosestTorqueSolve {
  private:
   static constexpr bool single = sizeof(S) < 8;
   S excess_tolerance() const noexcept { return (single ? S(4e-7) : S(1e-13)) * size_; }
+  static constexpr S largest_multiplier =
+      single ? S(1e4) : S(1e9);  // a round adds residual / delta: beyond this its digits are lost
   static constexpr S effort_tolerance() noexcept { return single ? S(1e-6) : S(1e-13); }
   int budget() const noexcept { return std::min(cap_, k.steps + 60); }
 
   /// R = 0: succeeds when the demand is attained.
   bool exactly(const Torque& y) noexcept {
-    k.R.setZero();
+    k.R = settled_;
     k.centre.setZero();
     const NewtonOutcome outcome = k.solve(y, budget(), /*stop_at_singular=*/true);
-    return outcome == NewtonOutcome::converged || (outcome == NewtonOutcome::floor && k.F().norm() <= S(10) * excess_tolerance());
+    return outcome == NewtonOutcome::converged ||
+           (outcome == NewtonOutcome::floor && k.F().norm() <= S(10) * excess_tolerance());
   }
 
-  /// One round; rows that are held take as many as they need.
+  /// One round. Held rows are given a much smaller delta, and repeats of their own, so that they do not yield to the others.
   void proximal(const Torque& y, S delta) noexcept {
+    constexpr S firm = single ? S(1e-3) : S(1e-6);
+    Torque diagonal;
+    for (int r = 0; r < M; ++r) diagonal[r] = is_held(r) ? delta * firm : delta;
     k.centre = y;
-    k.R = delta * Eigen::Matrix<S, M, M>::Identity();
+    k.R = settled_;
+    for (int r = 0; r < M; ++r) k.R(r, r) += diagonal[r];
     for (int inner = 0; inner < 8; ++inner) {
       if (k.solve(k.centre, budget()) == NewtonOutcome::capped) return;
-      const Torque missing = delta * (k.y() - k.centre);
-      S worst = S(0);
-      for (int r = 0; r < M; ++r)
-        if (is_held(r)) worst = std::max(worst, std::abs(missing[r]));
-      if (worst <= S(4) * k.tolerance) return;
+      if (held_error(diagonal.cwiseProduct(k.y() - k.centre)) <= S(4) * k.tolerance) return;
       for (int r = 0; r < M; ++r)
         if (is_held(r)) k.centre[r] = k.y()[r];
     }
   }
 
   /// Takes over the polished point, or the plain one, whichever is proven closer to the smallest residual.
-  void judge(const Torque& before, Result& out) const noexcept {
+  void judge(Result& out) noexcept {
     Result plain = out;
     keep_current(plain);
     Torque left = k.b;
     for (int i = 0; i < k.n; ++i) left -= plain.tau[std::size_t(i)] * k.a[std::size_t(i)];
-    const Polished<S, M, N> p = polish<S, M, N>(k, S(0));
+    const Polished<S, M, N> p = polish<S, M, N>(k, S(0), held_);
     Result polished = out;
     polished.tau = p.tau;
     polished.y = p.y;
-    prove(left, held_ == 0 ? left : Torque(plain.y - before), plain);
-    prove(p.residual, held_ == 0 ? p.across : Torque(polished.y - before), polished);
+    prove(left, p.across, plain);
+    prove(p.residual, p.across, polished);
     polished.effort_gap = effort_gap(polished);
     const bool better = !plain.attained && (polished.attained || polished.excess <= plain.excess);
+    left_ = length(better ? p.residual : left);
     out = better && polished.effort_gap <= S(1e3) * effort_tolerance() ? polished : plain;
   }
 
@@ -137,14 +143,19 @@ class ClosestTorqueSolve {
     return sum;
   }
 
-  /// Lower bound of the residual from the direction of `separating`.
+  /// Lower bound of the residual from a direction in which no unclipped actuator acts.
   void prove(const Torque& residual, const Torque& separating, Result& r) const noexcept {
     if (residual.cwiseAbs().maxCoeff() <= S(4) * k.tolerance) {
       r.attained = true;
       r.excess = S(0);
       return;
     }
-    const Torque v = separating / length(separating);
+    const S magnitude = length(separating), broken = held_error(residual);
+    if (!(magnitude > S(0))) {
+      r.excess = length(residual) + broken;
+      return;
+    }
+    const Torque v = separating / magnitude;
     S shortfall = S(0);  // of v'A tau against its maximum over the box, from terms that are never negative
     for (int i = 0; i < k.n; ++i) {
       const std::size_t j = std::size_t(i);
@@ -153,8 +164,7 @@ class ClosestTorqueSolve {
     }
     const S size = length(residual);
     r.direction = v;
-    r.excess = std::min(size - v.dot(residual) + shortfall, size);
-    if (!(r.excess >= S(0))) r.excess = v.allFinite() ? S(0) : size;
+    r.excess = std::clamp(size - v.dot(residual) + shortfall, S(0), size) + broken;
   }
 
   void keep_current(Result& r) const noexcept {
@@ -163,6 +173,12 @@ class ClosestTorqueSolve {
   }
 
   bool is_held(int row) const noexcept { return (held_ >> row & 1u) != 0u; }
+
+  S held_error(const Torque& residual) const noexcept {
+    S worst = S(0);
+    for (int r = 0; r < M; ++r) worst = is_held(r) ? std::max(worst, std::abs(residual[r])) : worst;
+    return worst;
+  }
 
   /// Of the rows that are not held.
   S length(const Torque& v) const noexcept {
@@ -175,6 +191,8 @@ class ClosestTorqueSolve {
   S size_;
   int cap_;
   unsigned held_;
+  Eigen::Matrix<S, M, M> settled_;
+  S left_ = S(0);  // residual of the last round
 };
 
 }  // namespace gyrostat

@@ -45,20 +45,22 @@ class DualNewton {
   Torque b;
   Matrix R;
   Torque centre;
-  S tolerance = S(0);      ///< on the largest |F|
-  S rank_tolerance = S(0); ///< torque directions weaker than this fraction of the strongest count as absent
+  S tolerance = S(0);       ///< on the largest |F|
+  S rank_tolerance = S(0);  ///< torque directions weaker than this fraction of the strongest count as absent
 
   int steps = 0;  ///< Newton steps taken since the caller set it to zero
 
   /// Starts at `y`. With `stop_at_singular` it returns as soon as a Jacobian has no full rank.
   NewtonOutcome solve(const Torque& y, int cap, bool stop_at_singular = false) noexcept {
     evaluate(y, now());
-    S previous = S(0);
+    S previous = S(0), best = std::numeric_limits<S>::infinity();
     bool same_piece = false;
-    for (;; ++steps) {
+    for (int stalled = 0;; ++steps) {
       const S size = largest(now().F);
       if (size <= tolerance) return NewtonOutcome::converged;
-      if (same_piece && S(4) * size > previous) return NewtonOutcome::floor;
+      stalled = size < S(0.9) * best ? 0 : stalled + 1;
+      best = std::min(best, size);
+      if ((same_piece && S(4) * size > previous) || stalled > 15) return NewtonOutcome::floor;
       if (steps >= cap) return NewtonOutcome::capped;
       if (!factor() && stop_at_singular) return NewtonOutcome::singular;
       previous = size;
@@ -69,9 +71,13 @@ class DualNewton {
   const Torque& y() const noexcept { return points_[current_].y; }
   const Torque& F() const noexcept { return points_[current_].F; }
   /// Allocation at the current point: clipped, so inside the box without exception.
-  S tau(int i) const noexcept { return std::min(std::max(points_[current_].z[size_t(i)], lo[size_t(i)]), up[size_t(i)]); }
+  S tau(int i) const noexcept {
+    return std::min(std::max(points_[current_].z[size_t(i)], lo[size_t(i)]), up[size_t(i)]);
+  }
   bool is_free(int i) const noexcept { return ((points_[current_].below | points_[current_].above) >> i & 1u) == 0u; }
-  bool all_clipped() const noexcept { return (points_[current_].below | points_[current_].above) == (std::uint64_t{1} << n) - 1u; }
+  bool all_clipped() const noexcept {
+    return (points_[current_].below | points_[current_].above) == (std::uint64_t{1} << n) - 1u;
+  }
 
   /// J^-1 v at the current point, J the derivative of F (regularised where that is singular).
   Torque solve_jacobian(const Torque& v) noexcept {
@@ -82,8 +88,8 @@ class DualNewton {
  private:
   struct Point {
     Torque y, F;
-    Matrix J;                 // lower triangle
-    std::array<S, N> z;       // before clipping
+    Matrix J;                    // lower triangle
+    std::array<S, N> z;          // before clipping
     std::uint32_t below, above;  // clip pattern
   };
   using size_t = std::size_t;
