@@ -14,7 +14,8 @@ using certificate::Real;
 Eigen::MatrixXd geometry(const Posed& p) {
   Eigen::MatrixXd A(p.rows(), p.actuators());
   for (std::size_t r = 0; r < p.rows(); ++r)
-    for (std::size_t i = 0; i < p.actuators(); ++i) A(Eigen::Index(r), Eigen::Index(i)) = p.D[r][i] * p.effectiveness[i];
+    for (std::size_t i = 0; i < p.actuators(); ++i)
+      A(Eigen::Index(r), Eigen::Index(i)) = p.D[r][i] * p.effectiveness[i];
   return A;
 }
 Eigen::VectorXd eigen(const Numbers& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); }
@@ -45,7 +46,8 @@ class AllocationLaws : public testing::TestWithParam<Kind> {
   std::unique_ptr<AnySolver> solver;
   Random random{5};
 };
-INSTANTIATE_TEST_SUITE_P(, AllocationLaws, testing::ValuesIn(all_kinds()), [](const auto& kind) { return name_of(kind.param); });
+INSTANTIATE_TEST_SUITE_P(, AllocationLaws, testing::ValuesIn(all_kinds()),
+                         [](const auto& kind) { return name_of(kind.param); });
 
 TEST_P(AllocationLaws, NoOtherExactAllocationSpendsLess) {
   int compared = 0;
@@ -61,7 +63,8 @@ TEST_P(AllocationLaws, NoOtherExactAllocationSpendsLess) {
     EXPECT_LE((A * t - eigen(p.demand)).norm(), single() ? 2e-6 : 1e-14);  // a few roundings of torques of order one
     const Eigen::MatrixXd kernel = A.fullPivLu().kernel();
     for (int walk = 0; walk < 50; ++walk) {
-      Eigen::VectorXd step = kernel * Eigen::VectorXd::NullaryExpr(kernel.cols(), [&] { return random.uniform(-0.05, 0.05); });
+      Eigen::VectorXd step =
+          kernel * Eigen::VectorXd::NullaryExpr(kernel.cols(), [&] { return random.uniform(-0.05, 0.05); });
       const Eigen::VectorXd other = t + step;
       if ((other.array() < eigen(p.lo).array()).any() || (other.array() > eigen(p.up).array()).any()) continue;
       ++compared;
@@ -80,7 +83,8 @@ TEST_P(AllocationLaws, InsideTheLimitsItIsTheWeightedPseudoInverse) {
     const Eigen::MatrixXd A = geometry(p);
     const Eigen::MatrixXd inverse = eigen(p.effort_weight).cwiseInverse().asDiagonal();
     const Eigen::MatrixXd AAt = A * inverse * A.transpose();
-    const Eigen::VectorXd expected = eigen(p.preferred) + inverse * A.transpose() * AAt.ldlt().solve(eigen(p.demand) - A * eigen(p.preferred));
+    const Eigen::VectorXd expected =
+        eigen(p.preferred) + inverse * A.transpose() * AAt.ldlt().solve(eigen(p.demand) - A * eigen(p.preferred));
     const double condition = AAt.norm() * AAt.inverse().norm();
     EXPECT_LE((command(p) - expected).norm(), 100 * GetParam().epsilon() * condition * (1 + expected.norm()));
   }
@@ -110,7 +114,7 @@ TEST_P(AllocationLaws, LeastSquaresApproachesTheClosestTorqueAsTheWeightGrows) {
       p.residual_weight = gamma;
       const Outcome weighted = cold(p);
       const Real excess = weighted.residual_norm - lexicographic.residual_norm;
-      EXPECT_GE(excess, -(single() ? 2e-6 : 1e-12));   // nothing is closer than the closest
+      EXPECT_GE(excess, -(single() ? 2e-6 : 1e-12));  // nothing is closer than the closest
       EXPECT_LE(excess, last + (single() ? 2e-6 : 1e-12));
       last = excess;
     }
@@ -161,7 +165,8 @@ TEST_P(AllocationLaws, OrderAndSignOfActuatorsDoNotMatter) {
       p.mode = mode;
       p.residual_weight = 1e3;
       Posed reversed = p, flipped = p;
-      for (Numbers* v : {&reversed.effectiveness, &reversed.lo, &reversed.up, &reversed.preferred, &reversed.effort_weight, &reversed.bound})
+      for (Numbers* v : {&reversed.effectiveness, &reversed.lo, &reversed.up, &reversed.preferred,
+                         &reversed.effort_weight, &reversed.bound})
         std::reverse(v->begin(), v->end());
       for (Numbers& row : reversed.D) std::reverse(row.begin(), row.end());
       for (std::size_t i = 0; i < 8; ++i) {
@@ -185,7 +190,8 @@ TEST_P(AllocationLaws, DeadActuatorsAreAsIfAbsent) {
     p.effectiveness[2] = 0;
     p.preferred[2] = 1;  // beyond its limit
     Posed without = p;
-    for (Numbers* v : {&without.effectiveness, &without.lo, &without.up, &without.preferred, &without.effort_weight, &without.bound})
+    for (Numbers* v :
+         {&without.effectiveness, &without.lo, &without.up, &without.preferred, &without.effort_weight, &without.bound})
       v->erase(v->begin() + 2);
     for (Numbers& row : without.D) row.erase(row.begin() + 2);
     const Outcome s = cold(p), expected = cold(without);
@@ -285,7 +291,8 @@ TEST_P(AllocationLaws, SecondRowsComeAsCloseAsTheFirstAllow) {
       theirs += std::pow(Real(p.demand[r]) - weighted.achieved[r], 2);
     }
     EXPECT_NEAR(double(std::sqrt(ours)), double(std::sqrt(theirs)), single() ? 5e-3 : 1e-4) << k;
-    EXPECT_GE(std::sqrt(ours), std::sqrt(theirs) - (single() ? 1e-4L : 1e-10L)) << k;  // they gave away a little of row 0
+    EXPECT_GE(std::sqrt(ours), std::sqrt(theirs) - (single() ? 1e-4L : 1e-10L))
+        << k;  // they gave away a little of row 0
   }
 }
 
@@ -319,7 +326,8 @@ TEST_P(AllocationLaws, IterationLimitLeavesACommandInsideTheBoxWithItsGap) {
 }
 
 class ThreeRows : public AllocationLaws {};
-INSTANTIATE_TEST_SUITE_P(, ThreeRows, testing::ValuesIn(kinds_of_three_rows()), [](const auto& kind) { return name_of(kind.param); });
+INSTANTIATE_TEST_SUITE_P(, ThreeRows, testing::ValuesIn(kinds_of_three_rows()),
+                         [](const auto& kind) { return name_of(kind.param); });
 
 TEST_P(ThreeRows, ScaledShareEqualsTheExactRadiusOfTheAttainableSet) {
   for (int k = 0; k < 100; ++k) {

@@ -18,7 +18,8 @@ class BadInput : public testing::TestWithParam<Kind> {
   Random random{17};
   std::size_t rows() const { return static_cast<std::size_t>(GetParam().rows); }
 };
-INSTANTIATE_TEST_SUITE_P(, BadInput, testing::ValuesIn(all_kinds()), [](const auto& kind) { return name_of(kind.param); });
+INSTANTIATE_TEST_SUITE_P(, BadInput, testing::ValuesIn(all_kinds()),
+                         [](const auto& kind) { return name_of(kind.param); });
 
 struct Spoiler {
   const char* what;

@@ -27,7 +27,8 @@ class WorstCases : public testing::TestWithParam<Kind> {
   std::unique_ptr<AnySolver> solver = GetParam().solver();
   Random random{11};
 };
-INSTANTIATE_TEST_SUITE_P(, WorstCases, testing::ValuesIn(all_kinds()), [](const auto& kind) { return name_of(kind.param); });
+INSTANTIATE_TEST_SUITE_P(, WorstCases, testing::ValuesIn(all_kinds()),
+                         [](const auto& kind) { return name_of(kind.param); });
 
 TEST_P(WorstCases, AreReportedAsAnIndependentSearchFindsThem) {
   for (int k = 0; k < 60; ++k) {
@@ -35,7 +36,8 @@ TEST_P(WorstCases, AreReportedAsAnIndependentSearchFindsThem) {
     for (const WorstCase worst_case : {WorstCase::bound, WorstCase::exact}) {
       const Outcome s = solve(p, worst_case);
       const certificate::Spread spread(s.q.D);
-      const Real bound = certificate::worst_bound(s.q, spread, s.command), exact = certificate::worst_exact(s.q, spread, s.command);
+      const Real bound = certificate::worst_bound(s.q, spread, s.command),
+                 exact = certificate::worst_exact(s.q, spread, s.command);
       EXPECT_NEAR(double(s.worst_case), double(worst_case == WorstCase::bound ? bound : exact), tolerance());
       EXPECT_GE(s.worst_case, s.residual_norm - tolerance());
       EXPECT_LE(exact, bound + 1e-15L);
@@ -73,7 +75,8 @@ TEST_P(WorstCases, IndependentErrorsOfEachActuatorStayBelow) {
     for (unsigned signs = 0; signs < 64; ++signs) {
       certificate::Vector off = r;
       for (std::size_t j = 0; j < off.size(); ++j)
-        for (std::size_t i = 0; i < 6; ++i) off[j] += ((signs >> i & 1u) ? 1 : -1) * s.q.D[j][i] * s.q.g[i] * s.command[i];
+        for (std::size_t i = 0; i < 6; ++i)
+          off[j] += ((signs >> i & 1u) ? 1 : -1) * s.q.D[j][i] * s.q.g[i] * s.command[i];
       largest = std::max(largest, certificate::norm(off));
     }
     EXPECT_LE(largest, s.worst_case + tolerance());

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+/// The catalogue's optimal allocators as flight flies them: limits, rates, masks, estimates, flags; no heap, no exceptions.
+#define EIGEN_RUNTIME_NO_MALLOC
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "flight/telemetry_log.hpp"
+#include "flight/vehicles.hpp"
+#include "gyrostat/core/concepts.hpp"
+#include "gyrostat/flight/allocators/lexicographic.hpp"
+#include "gyrostat/flight/allocators/lexicographic_scaled.hpp"
+#include "gyrostat/flight/allocators/robust_socp.hpp"
+#include "gyrostat/flight/allocators/weighted_least_squares.hpp"
+#include "random.hpp"
+
+namespace {
+long allocations = 0;  // of the whole program
+}
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  std::abort();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace gyrostat::test {
+namespace {
+
+template <class S>
+Estimate<S> healthy(int n) {
+  Measurement<S> y;
+  y.h_w = VecN<S>::Zero(n);
+  return Estimate<S>::healthy(y);
+}
+
+template <class S>
+Demand<S> demand(S x, S y, S z) {
+  Demand<S> d;
+  d.tau_B = {x, y, z};
+  return d;
+}
+
+template <class S>
+double missing(const Allocation<S>& a) {
+  return static_cast<double>((a.demand_B - a.achieved_B).norm());
+}
+
+template <class S>
+class OptimalAllocators : public testing::Test {
+ protected:
+  gyrostat::Setup<S> setup = ftc_4rw<S>();
+  Detection<S> none = Detection<S>::none(setup.vehicle);
+
+  /// Calls with(default allocator) for each of the four.
+  void for_each(auto&& with) const {
+    with(make<Lexicographic<S>>(setup));
+    with(make<LexicographicScaled<S>>(setup));
+    with(make<WeightedLeastSquares<S>>(setup));
+    with(make<RobustSocp<S>>(setup));
+  }
+  template <class A>
+  static A make(const gyrostat::Setup<S>& s, auto&& change) {
+    auto params = default_params<A>(s);
+    change(params);
+    EXPECT_TRUE(A::check(s, params).ok());
+    return A(s, params);
+  }
+  template <class A>
+  static A make(const gyrostat::Setup<S>& s) {
+    return make<A>(s, [](auto&) {});
+  }
+  static constexpr bool single = sizeof(S) < 8;
+};
+using Scalars = testing::Types<double, float>;
+TYPED_TEST_SUITE(OptimalAllocators, Scalars);
+
+TYPED_TEST(OptimalAllocators, KeepLimitsAndRatesOnARandomWalkOfDemandsAndFaults) {
+  using S = TypeParam;
+  this->setup.vehicle.u_rate.setConstant(S(2));  // 0.02 N m a sample
+  this->for_each([&](auto allocator) {
+    static_assert(Allocator<decltype(allocator)>);
+    static_assert(noexcept(allocator.step(std::declval<const Demand<S>&>(), std::declval<const Estimate<S>&>(),
+                                          std::declval<const Detection<S>&>())));
+    Random random(9);
+    Estimate<S> x = healthy<S>(4);
+    VecN<S> last = VecN<S>::Zero(4);
+    for (int k = 0; k < 400; ++k) {
+      if (k % 20 == 0)
+        for (int i = 0; i < 4; ++i) {
+          x.effectiveness[i] = S(random.uniform(-0.1, 1.1));  // an observer may be wrong
+          x.effectiveness_bound[i] =
+              random.uniform(0, 1) < 0.3 ? std::numeric_limits<S>::infinity() : S(random.uniform(0, 0.3));
+        }
+      const Vec3<S> wish = random.vector<S>(0.3);
+      const Allocation<S> a = allocator.step(demand<S>(wish[0], wish[1], wish[2]), x, this->none);
+      EXPECT_LE(a.u.cwiseAbs().maxCoeff(), S(0.2)) << allocator.name;
+      EXPECT_LE((a.u - last).cwiseAbs().maxCoeff(), S(0.02) * (1 + Eigen::NumTraits<S>::epsilon() * 16))
+          << allocator.name;
+      EXPECT_FALSE(a.status.has(Flag::bad_input) || a.status.has(Flag::cap_reached)) << allocator.name << ' ' << k;
+      const Vec3<S> achieved = this->setup.vehicle.D_B * x.effectiveness.cwiseProduct(a.u);
+      EXPECT_LE((a.achieved_B - achieved).norm(), S(4) * Eigen::NumTraits<S>::epsilon()) << allocator.name;
+      last = a.u;
+    }
+  });
+}
+
+TYPED_TEST(OptimalAllocators, UseNeitherFailedNorSpareActuatorsAndSayWhatThatCosts) {
+  using S = TypeParam;
+  this->setup.vehicle.spare.set(3);
+  Detection<S> det = Detection<S>::none(this->setup.vehicle);
+  this->for_each([&](auto allocator) {
+    Allocation<S> a = allocator.step(demand<S>(S(0.05), S(0.02), S(0.1)), healthy<S>(4), det);
+    EXPECT_EQ(a.u[3], S(0));
+    EXPECT_FALSE(a.status.has(Flag::rank_lost));
+    Detection<S> failed = det;
+    failed.failed.set(1);  // two wheels are left: one axis is lost
+    allocator.reset();
+    a = allocator.step(demand<S>(S(0.05), S(0.02), S(0.1)), healthy<S>(4), failed);
+    EXPECT_EQ(a.u[1], S(0));
+    EXPECT_EQ(a.u[3], S(0));
+    EXPECT_TRUE(a.status.has(Flag::rank_lost) && a.status.has(Flag::demand_not_met)) << allocator.name;
+    EXPECT_FALSE(a.saturated.test(1) || a.saturated.test(3));
+  });
+}
+
+TYPED_TEST(OptimalAllocators, MeetAnAttainableDemandPastAWeakWheel) {
+  using S = TypeParam;
+  Estimate<S> x = healthy<S>(4);
+  x.effectiveness[2] = S(0.4);
+  const Demand<S> d = demand<S>(S(0.1), S(-0.05), S(0.08));
+  const double exact = this->single ? 1e-6 : 1e-15;
+  Allocation<S> a = this->template make<Lexicographic<S>>(this->setup).step(d, x, this->none);
+  EXPECT_LE(missing(a), exact);
+  EXPECT_FALSE(a.status.has(Flag::demand_not_met));
+  EXPECT_LE(missing(this->template make<LexicographicScaled<S>>(this->setup).step(d, x, this->none)), exact);
+  // 1 / residual_weight, over the smallest squared singular value of A, about 0.6
+  EXPECT_LE(missing(this->template make<WeightedLeastSquares<S>>(this->setup).step(d, x, this->none)), 2e-4 * 0.14);
+}
+
+TYPED_TEST(OptimalAllocators, KeepThePreferredCommandWhereItCostsNoTorque) {
+  using S = TypeParam;
+  Demand<S> d = demand<S>(S(0), S(0), S(0));
+  d.u_pref.resize(4);
+  d.u_pref << S(0.05), S(-0.05), S(0.05), S(-0.05);  // the null motion of the pyramid
+  const Allocation<S> a = this->template make<Lexicographic<S>>(this->setup).step(d, healthy<S>(4), this->none);
+  EXPECT_LE((a.u - d.u_pref).norm(), this->single ? 1e-6 : 1e-15);
+  EXPECT_LE(missing(a), this->single ? 1e-6 : 1e-15);
+}
+
+TYPED_TEST(OptimalAllocators, PhysicalBoundsLetAWeakWheelWorkToItsLimitDeratedOnesDoNot) {
+  using S = TypeParam;
+  Estimate<S> x = healthy<S>(4);
+  x.effectiveness[0] = S(0.5);
+  const Demand<S> d = demand<S>(S(1), S(1), S(1));  // far along the axis of wheel 0
+  const Allocation<S> physical = this->template make<Lexicographic<S>>(this->setup).step(d, x, this->none);
+  EXPECT_EQ(physical.u[0], S(0.2));
+  EXPECT_TRUE(physical.saturated.test(0));
+  const auto derated = [](auto& p) { p.bound_policy = BoundPolicy::derated; };
+  const Allocation<S> a = this->template make<Lexicographic<S>>(this->setup, derated).step(d, x, this->none);
+  EXPECT_FLOAT_EQ(static_cast<float>(a.u[0]), 0.1f);
+  EXPECT_GT(missing(a), missing(physical));
+}
+
+TYPED_TEST(OptimalAllocators, DeratingAWheelThatJustFailedKeepsItsRate) {
+  using S = TypeParam;
+  this->setup.vehicle.u_rate.setConstant(S(1));
+  auto allocator =
+      this->template make<Lexicographic<S>>(this->setup, [](auto& p) { p.bound_policy = BoundPolicy::derated; });
+  Estimate<S> x = healthy<S>(4);
+  const Demand<S> d = demand<S>(S(1), S(1), S(1));
+  Allocation<S> a;
+  for (int k = 0; k < 30; ++k) a = allocator.step(d, x, this->none);
+  ASSERT_EQ(a.u[0], S(0.2));
+  x.effectiveness[0] = S(0.5);  // its limit falls from 0.2 to 0.1 at once
+  a = allocator.step(d, x, this->none);
+  EXPECT_NEAR(static_cast<double>(a.u[0]), 0.19, 1e-6);
+  for (int k = 0; k < 20; ++k) a = allocator.step(d, x, this->none);
+  EXPECT_NEAR(static_cast<double>(a.u[0]), 0.1, 1e-6);
+}
+
+TYPED_TEST(OptimalAllocators, WorkWithoutKnownLimits) {
+  using S = TypeParam;
+  this->setup.vehicle.u_up.setConstant(std::numeric_limits<S>::infinity());
+  this->setup.vehicle.u_lo = -this->setup.vehicle.u_up;
+  const Demand<S> d = demand<S>(S(3), S(-2), S(5));
+  const Mat3N<S> D = this->setup.vehicle.D_B;
+  const VecN<S> expected = S(0.75) * D.transpose() * d.tau_B;  // D D' = 4/3 I
+  const Allocation<S> a = this->template make<Lexicographic<S>>(this->setup).step(d, healthy<S>(4), this->none);
+  EXPECT_LE((a.u - expected).norm(), S(64) * Eigen::NumTraits<S>::epsilon() * expected.norm());
+  EXPECT_FALSE(a.saturated.any());
+  EXPECT_LE(missing(this->template make<RobustSocp<S>>(this->setup).step(d, healthy<S>(4), this->none)), 0.2);
+}
+
+TYPED_TEST(OptimalAllocators, AxisOfFirstPriorityGetsAllItCan) {
+  using S = TypeParam;
+  const auto z_first = [](auto& p) { p.axis_priority = {S(1), S(1), S(0)}; };
+  const Demand<S> d = demand<S>(S(0.4), S(0.4), S(0.4));
+  const double z_together = static_cast<double>(
+      this->template make<Lexicographic<S>>(this->setup).step(d, healthy<S>(4), this->none).achieved_B[2]);
+  const Allocation<S> a =
+      this->template make<Lexicographic<S>>(this->setup, z_first).step(d, healthy<S>(4), this->none);
+  EXPECT_LT(z_together, 0.39);
+  EXPECT_NEAR(static_cast<double>(a.achieved_B[2]), 0.4,
+              this->single ? 1e-5 : 1e-12);  // 4 x 0.2 / sqrt 3 = 0.46 can be had
+}
+
+TYPED_TEST(OptimalAllocators, UncertainWheelsAreSparedAtNoLossOfTorque) {
+  using S = TypeParam;
+  Estimate<S> x = healthy<S>(4);
+  x.effectiveness_bound << S(0.1), S(0), S(0), S(0);
+  const Demand<S> d = demand<S>(S(0.1), S(0), S(0.05));
+  const auto careful = [](auto& p) { p.uncertainty_weight = S(1e3); };
+  const Allocation<S> plain = this->template make<Lexicographic<S>>(this->setup).step(d, x, this->none);
+  const Allocation<S> spared = this->template make<Lexicographic<S>>(this->setup, careful).step(d, x, this->none);
+  EXPECT_LT(std::abs(spared.u[0]), S(0.5) * std::abs(plain.u[0]));
+  EXPECT_LE(missing(spared), this->single ? 1e-6 : 1e-15);
+  EXPECT_LT(spared.worst_case, plain.worst_case);
+}
+
+TYPED_TEST(OptimalAllocators, RefuseOtherNumbersOfWeightsThanActuators) {
+  using S = TypeParam;
+  auto params = default_params<Lexicographic<S>>(this->setup);
+  params.effort_weight = VecN<S>::Ones(3);
+  EXPECT_FALSE(Lexicographic<S>::check(this->setup, params).ok());
+}
+
+TYPED_TEST(OptimalAllocators, TelemetryProvesAnUnreachableDemand) {
+  using S = TypeParam;
+  auto allocator = this->template make<Lexicographic<S>>(this->setup);
+  const Demand<S> d = demand<S>(S(0.5), S(0.1), S(0.1));
+  EXPECT_TRUE(allocator.step(d, healthy<S>(4), this->none).status.has(Flag::demand_not_met));
+  const std::vector<double> v = telemetry_of(allocator)["unreachable_B"];
+  double reached = 0, asked = 0;
+  for (int i = 0; i < 4; ++i) {
+    double along = 0;
+    for (int r = 0; r < 3; ++r) along += v[std::size_t(r)] * static_cast<double>(this->setup.vehicle.D_B(r, i));
+    reached += 0.2 * std::abs(along);
+  }
+  for (int r = 0; r < 3; ++r) asked += v[std::size_t(r)] * static_cast<double>(d.tau_B[r]);
+  EXPECT_GT(asked, reached * 1.1);
+}
+
+TYPED_TEST(OptimalAllocators, AllocateNoMemory) {
+  using S = TypeParam;
+  this->for_each([&](auto allocator) {
+    Estimate<S> x = healthy<S>(4);
+    Random random(2);
+    Eigen::internal::set_is_malloc_allowed(false);
+    const long before = allocations;
+    bool finite = true;
+    for (int k = 0; k < 500; ++k) {
+      x.effectiveness[k % 4] = S(random.uniform(0, 1));
+      const Vec3<S> wish = random.vector<S>(0.3);
+      finite = finite && allocator.step(demand<S>(wish[0], wish[1], wish[2]), x, this->none).u.allFinite();
+    }
+    allocator.reset();
+    const long after = allocations;
+    Eigen::internal::set_is_malloc_allowed(true);
+    EXPECT_EQ(after, before) << allocator.name;
+    EXPECT_TRUE(finite);
+  });
+}
+
+}  // namespace
+}  // namespace gyrostat::test
