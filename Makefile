@@ -77,13 +77,14 @@ debian-test:
 debian-bench: debian-test
 	@scripts/debian_packages libbenchmark-dev
 
-# The virtual environment carries the build requirements, so that a rebuild compiles only what changed.
+# The virtual environment carries the build requirements, so that a rebuild compiles only what changed. The module is
+# compiled by the compiler of `make cpp`, under the same name: ccache then finds truth and host there.
 $(VENV)/venv.stamp: pyproject.toml
 	@scripts/make_venv $(VENV)
 	@touch $@
 
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(PACKAGE) | debian-run
-	@$(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation .
+	@CXX=$${CXX:-c++} $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation .
 	@touch $@
 
 $(VENV)/test.stamp: $(VENV)/venv.stamp
