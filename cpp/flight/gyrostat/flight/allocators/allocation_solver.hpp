@@ -33,6 +33,7 @@ class AllocationSolver {
     W_ = row_weight;
     WD_ = row_weight.asDiagonal() * D;
     spread_ = TorqueSpread<S, M>(WD_);
+    for (Eigen::Index i = 0; i < D.cols(); ++i) column_size_[size_t(i)] = WD_.col(i).cwiseAbs().maxCoeff();
     return true;
   }
 
@@ -91,9 +92,9 @@ class AllocationSolver {
     const Eigen::Index n = D_.cols();
     if (p.lo.size() != n || p.up.size() != n) return false;
     constexpr S infinity = std::numeric_limits<S>::infinity();
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (!(p.lo[i] <= p.up[i]) || p.lo[i] == infinity || p.up[i] == -infinity) return false;
-    return true;
+    bool good = true;
+    for (Eigen::Index i = 0; i < n; ++i) good &= (p.lo[i] <= p.up[i]) & (p.lo[i] < infinity) & (p.up[i] > -infinity);
+    return good;
   }
 
   bool acceptable(const Problem& p) const noexcept {
@@ -104,10 +105,12 @@ class AllocationSolver {
     constexpr S infinity = std::numeric_limits<S>::infinity();
     bool good = p.residual_weight > S(0) && p.residual_weight < infinity && p.margin >= S(0) && p.margin < infinity &&
                 p.effectiveness_min >= S(0) && p.max_newton > 0;
-    for (Eigen::Index i = 0; i < n; ++i)
-      good = good && p.effectiveness[i] >= S(0) && p.effectiveness[i] < infinity && std::isfinite(p.preferred[i]) &&
-             p.effort_weight[i] > S(0) && p.effort_weight[i] < infinity && p.bound[i] >= S(0) && p.bound[i] < infinity;
-    for (int r = 0; r < M; ++r) good = good && std::isfinite(p.demand[r]);
+    for (Eigen::Index i = 0; i < n; ++i) {  // & instead of &&: no branches
+      good &= (p.effectiveness[i] >= S(0)) & (p.effectiveness[i] < infinity) & (p.bound[i] >= S(0));
+      good &= (p.effort_weight[i] > S(0)) & (p.effort_weight[i] < infinity) & (p.bound[i] < infinity);
+      good &= std::abs(p.preferred[i]) < infinity;
+    }
+    for (int r = 0; r < M; ++r) good &= std::abs(p.demand[r]) < infinity;
     return good;
   }
 
@@ -129,46 +132,27 @@ class AllocationSolver {
   void scale(const Problem& p, Solution& out) noexcept {
     const int n = static_cast<int>(D_.cols());
     kernel_.n = n;
-    S geometry = S(0), limit = S(0), preferred = S(0), effort = S(0);
-    for (int i = 0; i < n; ++i) {
-      S e = p.effectiveness[i];
-      if (e > S(1)) {
-        e = S(1);
-        out.warnings |= AllocationWarning::effectiveness_clamped;
-      }
-      effectiveness_[size_t(i)] = e < p.effectiveness_min ? S(0) : e;
-      if (effectiveness_[size_t(i)] > S(0)) geometry = std::max(geometry, e * WD_.col(i).cwiseAbs().maxCoeff());
-      for (const S bound : {std::abs(p.lo[i]), std::abs(p.up[i])})
-        if (bound < std::numeric_limits<S>::infinity()) limit = std::max(limit, bound);
-      preferred = std::max(preferred, std::abs(p.preferred[i]));
-      effort = std::max(effort, p.effort_weight[i]);
-    }
-    geometry_ = geometry > S(0) ? power_of_two(geometry) : S(1);
-    effort_ = power_of_two(effort);
-    const Torque demand = W_.cwiseProduct(p.demand) / geometry_;
-    if (!(limit > S(0))) limit = std::max(preferred, demand.cwiseAbs().maxCoeff());
-    torque_ = limit > S(0) ? power_of_two(limit) : S(1);
-
-    S size = S(0);
+    choose_units(p, out);
     const S per_geometry = S(1) / geometry_, per_torque = S(1) / torque_, per_effort = S(1) / effort_;
+    S size = S(0);
     for (int i = 0; i < n; ++i) {
       const size_t k = size_t(i);
-      kernel_.a[k] = (effectiveness_[k] * per_geometry) * WD_.col(i);
+      const S e = effectiveness_[k] * per_geometry;
+      kernel_.a[k] = e * WD_.col(i);
       kernel_.lo[k] = std::max(p.lo[i] * per_torque, -far);  // far: no limit
       kernel_.up[k] = std::min(p.up[i] * per_torque, far);
-      kernel_.preferred[k] = clamped(p.preferred[i] * per_torque, far, out.warnings);
-      S weight = p.effort_weight[i] * per_effort;
-      if (weight < S(1) / weight_cap) {
-        weight = S(1) / weight_cap;
-        out.warnings |= AllocationWarning::weight_capped;
-      }
-      weight_[k] = weight;
-      kernel_.compliance[k] = S(1) / weight;
+      kernel_.preferred[k] = clamped(p.preferred[i] * per_torque, out.warnings);
+      const S weight = p.effort_weight[i] * per_effort;
+      weight_[k] = std::max(weight, S(1) / weight_cap);
+      if (weight < weight_[k]) out.warnings |= AllocationWarning::weight_capped;
+      kernel_.compliance[k] = S(1) / weight_[k];
       const S reach = std::max(std::abs(kernel_.lo[k]), std::abs(kernel_.up[k]));
-      if (reach < far) size += reach * kernel_.a[k].cwiseAbs().maxCoeff();
+      size += reach < far ? reach * e * column_size_[k] : S(0);
     }
-    for (int r = 0; r < M; ++r) kernel_.b[r] = clamped(demand[r] * per_torque, far, out.warnings);
-    size_ = std::max(size, kernel_.b.cwiseAbs().maxCoeff());
+    for (int r = 0; r < M; ++r) {
+      kernel_.b[r] = clamped(W_[r] * p.demand[r] * (per_geometry * per_torque), out.warnings);
+      size_ = std::max(r == 0 ? size : size_, std::abs(kernel_.b[r]));
+    }
     kernel_.tolerance = (single ? S(2e-7) : S(1e-13)) * size_;
     kernel_.rank_tolerance = single ? S(3e-5) : S(1e-10);
 
@@ -180,10 +164,33 @@ class AllocationSolver {
     out.residual_weight = residual_weight_ * effort_ / (geometry_ * geometry_);
   }
 
-  static S clamped(S x, S limit, std::uint8_t& warnings) noexcept {
-    if (std::abs(x) <= limit) return x;
+  /// Powers of two near the largest axis, torque and effort weight.
+  void choose_units(const Problem& p, Solution& out) noexcept {
+    S geometry = S(0), limit = S(0), preferred = S(0), effort = S(0);
+    for (int i = 0; i < kernel_.n; ++i) {
+      const size_t k = size_t(i);
+      const S e = p.effectiveness[i], lo = std::abs(p.lo[i]), up = std::abs(p.up[i]);
+      if (e > S(1)) out.warnings |= AllocationWarning::effectiveness_clamped;
+      effectiveness_[k] = e < p.effectiveness_min ? S(0) : std::min(e, S(1));
+      geometry = std::max(geometry, effectiveness_[k] * column_size_[k]);
+      limit = std::max(limit, lo < std::numeric_limits<S>::infinity() ? lo : S(0));
+      limit = std::max(limit, up < std::numeric_limits<S>::infinity() ? up : S(0));
+      preferred = std::max(preferred, std::abs(p.preferred[i]));
+      effort = std::max(effort, p.effort_weight[i]);
+    }
+    geometry_ = geometry > S(0) ? power_of_two(geometry) : S(1);
+    effort_ = power_of_two(effort);
+    if (!(limit > S(0))) {  // no limits: the demand sets the scale
+      limit = preferred;
+      for (int r = 0; r < M; ++r) limit = std::max(limit, std::abs(W_[r] * p.demand[r]) / geometry_);
+    }
+    torque_ = limit > S(0) ? power_of_two(limit) : S(1);
+  }
+
+  static S clamped(S x, std::uint8_t& warnings) noexcept {
+    if (std::abs(x) <= far) return x;
     warnings |= AllocationWarning::demand_clamped;
-    return x > S(0) ? limit : -limit;
+    return x > S(0) ? far : -far;
   }
 
   Torque warm_start(const Problem& p, const State& state) const noexcept {
@@ -304,17 +311,23 @@ class AllocationSolver {
 
   /// The command in the kernel's units, and the multiplier that goes with it.
   void collect(const Problem& p, const Closest& closest) noexcept {
-    if (p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled) {
+    polished_ = is_lexicographic(p);
+    if (polished_) {
       command_ = closest.tau;
       y_ = closest.y;
       return;
     }
     for (int i = 0; i < kernel_.n; ++i) command_[size_t(i)] = kernel_.tau(i);
     y_ = kernel_.y();
-    const bool cancels = y_.cwiseAbs().maxCoeff() * std::numeric_limits<S>::epsilon() > (single ? S(1e-5) : S(1e-11));
+    const bool cancels = y_.cwiseAbs().maxCoeff() * std::numeric_limits<S>::epsilon() > (single ? S(1e-5) : S(1e-9));
     if (!cancels || p.mode != AllocationMode::weighted_least_squares) return;
     const Polished<S, M, N> polished = polish<S, M, N>(kernel_, S(1) / residual_weight_);
-    if (objective(polished.tau, polished.residual) <= objective(command_, residual(command_))) command_ = polished.tau;
+    polished_ = objective(polished.tau, polished.residual) <= objective(command_, residual(command_));
+    if (polished_) command_ = polished.tau;
+  }
+
+  static bool is_lexicographic(const Problem& p) noexcept {
+    return p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled;
   }
 
   Torque residual(const std::array<S, N>& tau) const noexcept {
@@ -332,119 +345,105 @@ class AllocationSolver {
     return sum / S(2);
   }
 
+  /// SI values of what is issued, its worst case and certificate.
   void report(const Problem& p, S theta, const Closest& closest, bool capped, Solution& out) const noexcept {
     const int n = kernel_.n;
+    const S per_torque = S(1) / torque_;
     out.command.resize(n);
-    S rho = S(0);
+    S uncertain = S(0), effort = S(0);
     for (int i = 0; i < n; ++i) {
       const size_t k = size_t(i);
-      const S t = command_[k];
-      out.command[i] = std::min(std::max(t * torque_, p.lo[i]), p.up[i]);
-      if (out.command[i] <= p.lo[i] || out.command[i] >= p.up[i]) out.saturated |= 1u << i;
-      out.achieved += (effectiveness_[k] * out.command[i]) * D_.col(i);
-      const S uncertain = p.bound[i] * effectiveness_[k] * out.command[i];
-      rho += uncertain * uncertain;
+      const S t = std::min(std::max(command_[k] * torque_, p.lo[i]), p.up[i]);
+      const S delivered = effectiveness_[k] * t, off = (t - p.preferred[i]) * per_torque;
+      out.command[i] = t;
+      out.saturated |= static_cast<std::uint32_t>((t <= p.lo[i]) | (t >= p.up[i])) << i;
+      out.achieved += delivered * D_.col(i);
+      uncertain += (p.bound[i] * delivered) * (p.bound[i] * delivered);
+      effort += weight_[k] * off * off;
     }
     out.residual = p.demand - out.achieved;
     const Torque weighted = W_.cwiseProduct(out.residual);
     out.residual_norm = weighted.norm();
     out.newton = kernel_.steps;
     out.theta = theta;
-    rho = std::sqrt(rho);
-    switch (p.mode == AllocationMode::robust_socp ? p.worst_case : WorstCase::bound) {
-      case WorstCase::bound:
-        out.worst_case = spread_.bound(out.residual_norm, rho);
-        break;
-      case WorstCase::exact:
-        out.worst_case = spread_.exact(weighted, rho, theta);
-        break;
-      case WorstCase::paper_constant:
-        out.worst_case = out.residual_norm + p.margin;
-        break;
-    }
-    certify(p, theta, closest, out);
+    out.worst_case = worst_case(p, weighted, out.residual_norm, std::sqrt(uncertain), theta);
+    out.multiplier = y_ * (effort_ * torque_ / geometry_);
+    out.residual_excess = closest.attained ? out.residual_norm : std::max(closest.excess, S(0)) * (geometry_ * torque_);
+
+    const S per_residual = S(1) / (geometry_ * torque_), unit = effort_ * torque_ * torque_;
+    const Certificate c = certificate(p, theta, effort / S(2), weighted * per_residual, out.worst_case * per_residual,
+                                      uncertain * per_torque * per_torque);
+    out.primal = c.primal * unit;
+    out.gap = c.gap * unit;
+    out.dual = (c.primal - c.gap) * unit;
+
+    const bool delivered = is_lexicographic(p) ? closest.attained : meets(p, out);
     if (capped)
       out.status = AllocationStatus::cap_reached;
-    else if (!delivered(p, closest, out))
+    else if (!delivered)
       out.status = AllocationStatus::optimal_reduced;
     if (out.status != AllocationStatus::optimal) prove_infeasible(p, closest, weighted, out);
   }
 
-  bool delivered(const Problem& p, const Closest& closest, const Solution& out) const noexcept {
-    if (p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled)
-      return closest.attained;
-    return out.residual_norm <= S(1e-3) * W_.cwiseProduct(p.demand).norm();
+  /// Weighted modes never deliver all of a demand: a thousandth may be missing.
+  bool meets(const Problem& p, const Solution& out) const noexcept {
+    return out.residual_norm * out.residual_norm <= S(1e-6) * W_.cwiseProduct(p.demand).squaredNorm();
   }
 
-  /// Primal, dual, gap, multiplier in SI. Every term of the gap is a difference of one actuator's or one cone's parts.
-  void certify(const Problem& p, S theta, const Closest& closest, Solution& out) const noexcept {
-    const Torque& y = y_;
+  S worst_case(const Problem& p, const Torque& weighted, S norm, S uncertain, S theta) const noexcept {
+    if (p.mode == AllocationMode::robust_socp && p.worst_case == WorstCase::exact)
+      return spread_.exact(weighted, uncertain, theta);
+    if (p.mode == AllocationMode::robust_socp && p.worst_case == WorstCase::paper_constant) return norm + p.margin;
+    return spread_.bound(norm, uncertain);
+  }
+
+  struct Certificate {
+    S primal, gap;
+  };
+
+  /// In the kernel's units. The gap is a sum over cones and actuators, no term of which is negative.
+  Certificate certificate(const Problem& p, S theta, S effort, const Torque& r, S worst, S uncertain) const noexcept {
     const S h = residual_weight_;
-    Torque r = kernel_.b;  // scaled, of what is issued
-    S effort = S(0);
+    if (is_lexicographic(p)) return {effort, box_gap(p, S(0))};
+    if (p.mode == AllocationMode::weighted_least_squares || !(theta > S(0)))
+      return {effort + h * r.squaredNorm() / S(2),
+              h * (r - y_ / h).squaredNorm() / S(2) + (polished_ ? box_gap(p, S(0)) : S(0))};
+    const S s2 = square(spread_.s_max / geometry_);
+    const bool constant = p.worst_case == WorstCase::paper_constant;
+    const S cone = constant ? constant_gap(worst, r, p.margin / (geometry_ * torque_))
+                            : cone_gap(p, worst, r, s2 * uncertain, theta);
+    return {effort + h * worst * worst / S(2), h * cone + box_gap(p, constant ? S(0) : h * s2 / theta)};
+  }
+
+  static S square(S x) noexcept { return x * x; }
+
+  /// worst^2/2 less its linear lower bound from z = -y/h and sigma = s_max^2 G tau/theta; spread2 = |sigma|^2 theta^2/s_max^2.
+  S cone_gap(const Problem& p, S worst, const Torque& r, S spread2, S theta) const noexcept {
+    const Torque z = -y_ / residual_weight_;
+    const S covered = p.worst_case == WorstCase::exact ? z.dot(spread_.Sb * z) : z.squaredNorm();
+    const S kappa2 = z.squaredNorm() + std::max(S(0), spread2 / (theta * theta) - covered);
+    return (worst * worst + kappa2) / S(2) + z.dot(r) - spread2 / theta;
+  }
+
+  /// The same for |r| + margin.
+  S constant_gap(S worst, const Torque& r, S margin) const noexcept {
+    const Torque z = -y_ / residual_weight_;
+    const S kappa = std::max(z.norm(), margin);
+    return square(worst - kappa) / S(2) + kappa * (worst - margin) + z.dot(r);
+  }
+
+  /// Of each actuator: its cost under the multiplier less the least it could be. `growth` times (bound e)^2 tau is the part
+  /// of sigma.
+  S box_gap(const Problem& p, S growth) const noexcept {
+    S gap = S(0);
     for (int i = 0; i < kernel_.n; ++i) {
       const size_t k = size_t(i);
-      const S t = command_[k], off = t - preferred(p, i);
-      effort += weight_[k] * off * off / S(2);
-      r -= t * kernel_.a[k];
-    }
-    const bool robust = p.mode == AllocationMode::robust_socp && theta > S(0);
-    S primal = effort, gap = S(0), growth_scale = S(0);
-    if (p.mode == AllocationMode::weighted_least_squares || (p.mode == AllocationMode::robust_socp && !robust)) {
-      primal += h * r.squaredNorm() / S(2);
-      gap += h * (r - y / h).squaredNorm() / S(2);
-    } else if (robust) {
-      const S unit = geometry_ * torque_;
-      const S worst = scaled_worst_case(p, r, theta);
-      primal += h * worst * worst / S(2);
-      const Torque z = -y / h;
-      const S s_max = spread_.s_max / geometry_;
-      const bool constant = p.worst_case == WorstCase::paper_constant;
-      S spread2 = S(0);  // (s_max rho)^2
-      for (int i = 0; i < kernel_.n; ++i) {
-        const S g = s_max * p.bound[i] * effectiveness_[size_t(i)] * command_[size_t(i)];
-        spread2 += g * g;
-      }
-      if (constant) {
-        const S margin = p.margin / unit, kappa = std::max(z.norm(), margin);
-        const S slack = worst - kappa;
-        gap += h * (slack * slack / S(2) + kappa * (worst - margin) + z.dot(r));
-      } else {
-        const S sigma2 = spread2 / (theta * theta);  // |sigma|^2 / s_max^2, sigma = s_max^2 G tau / theta
-        const S q = p.worst_case == WorstCase::exact ? z.dot(spread_.Sb * z) : z.squaredNorm();
-        const S kappa2 = z.squaredNorm() + std::max(S(0), sigma2 - q);
-        gap += h * ((worst * worst + kappa2) / S(2) + z.dot(r) - spread2 / theta);
-        growth_scale = h * s_max * s_max / theta;
-      }
-    }
-    for (int i = 0; i < kernel_.n; ++i) {
-      const size_t k = size_t(i);
-      const S t = command_[k], weight = weight_[k];
-      const S g = p.bound[i] * effectiveness_[k];
-      const S z = preferred(p, i) + (kernel_.a[k].dot(y) - growth_scale * g * g * t) / weight;
+      const S t = command_[k], weight = weight_[k], g = p.bound[i] * effectiveness_[k];
+      const S z = p.preferred[i] / torque_ + (kernel_.a[k].dot(y_) - growth * g * g * t) / weight;
       const S best = std::min(std::max(z, kernel_.lo[k]), kernel_.up[k]);
       gap += weight * (t - best) * (t + best - S(2) * z) / S(2);
     }
-    const S unit = effort_ * torque_ * torque_;
-    out.primal = primal * unit;
-    out.gap = gap * unit;
-    out.dual = (primal - gap) * unit;
-    out.multiplier = y * (effort_ * torque_ / geometry_);
-    out.residual_excess = closest.attained ? out.residual_norm : std::max(closest.excess, S(0)) * geometry_ * torque_;
-  }
-
-  S preferred(const Problem& p, int i) const noexcept { return p.preferred[i] / torque_; }
-
-  S scaled_worst_case(const Problem& p, const Torque& r, S theta) const noexcept {
-    const S unit = geometry_ * torque_;
-    if (p.worst_case == WorstCase::paper_constant) return r.norm() + p.margin / unit;
-    S rho = S(0);
-    for (int i = 0; i < kernel_.n; ++i) {
-      const S g = p.bound[i] * effectiveness_[size_t(i)] * command_[size_t(i)] / geometry_;
-      rho += g * g;
-    }
-    rho = std::sqrt(rho);
-    return p.worst_case == WorstCase::exact ? spread_.exact(r, rho, theta) : spread_.bound(r.norm(), rho);
+    return gap;
   }
 
   /// A torque direction along which the whole attainable set falls short of the demand, if there is one to be seen.
@@ -473,10 +472,12 @@ class AllocationSolver {
 
   Geometry D_{M, 0}, WD_{M, 0};
   Torque W_ = Torque::Ones();
+  std::array<S, N> column_size_{};  // largest element of each column of W D
   TorqueSpread<S, M> spread_;
   // Of the solve under way; nothing here is read by the next one.
   DualNewton<S, M, N> kernel_;
   std::array<S, N> effectiveness_, weight_, command_;
+  bool polished_ = false;  // command_ is not quite the kernel's
   Torque y_;
   S geometry_ = S(1), torque_ = S(1), effort_ = S(1), size_ = S(1), residual_weight_ = S(1);
 };

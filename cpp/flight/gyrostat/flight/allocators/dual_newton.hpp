@@ -103,26 +103,46 @@ class DualNewton {
   }
 
   void evaluate(const Torque& y, Point& p) const noexcept {
-    p.y = y;
-    Torque F = R * (y - centre) - b;
-    Matrix J = R;
+    const Torque off = y - centre;
+    std::array<S, M> F;
+    std::array<S, M*(M + 1) / 2> J;  // lower triangle, column by column
+    GYROSTAT_UNROLL
+    for (int r = 0, at = 0; r < M; ++r) {
+      F[size_t(r)] = -b[r];
+      GYROSTAT_UNROLL
+      for (int c = 0; c < M; ++c) F[size_t(r)] += R(r, c) * off[c];
+      GYROSTAT_UNROLL
+      for (int c = r; c < M; ++c) J[size_t(at++)] = R(c, r);
+    }
     std::uint32_t below = 0, above = 0;
     for (int i = 0; i < n; ++i) {
       const size_t k = size_t(i);
       const Torque& ai = a[k];
-      const S z = preferred[k] + ai.dot(y) * compliance[k];
+      S along = S(0);
+      GYROSTAT_UNROLL
+      for (int r = 0; r < M; ++r) along += ai[r] * y[r];
+      const S z = preferred[k] + along * compliance[k];
       const std::uint32_t under = !(z > lo[k]), over = !(z < up[k]);
       const S t = std::min(std::max(z, lo[k]), up[k]);
       const S weight = (under | over) != 0u ? S(0) : compliance[k];
-      F += t * ai;
-      for (int c = 0; c < M; ++c)
-        for (int r = c; r < M; ++r) J(r, c) += weight * ai[c] * ai[r];
+      GYROSTAT_UNROLL
+      for (int c = 0, at = 0; c < M; ++c) {
+        F[size_t(c)] += t * ai[c];
+        const S weighted = weight * ai[c];
+        GYROSTAT_UNROLL
+        for (int r = c; r < M; ++r) J[size_t(at++)] += weighted * ai[r];
+      }
       p.z[k] = z;
       below |= under << i;
       above |= over << i;
     }
-    p.F = F;
-    p.J = J;
+    p.y = y;
+    GYROSTAT_UNROLL
+    for (int c = 0, at = 0; c < M; ++c) {
+      p.F[c] = F[size_t(c)];
+      GYROSTAT_UNROLL
+      for (int r = c; r < M; ++r) p.J(r, c) = J[size_t(at++)];
+    }
     p.below = below;
     p.above = above;
   }

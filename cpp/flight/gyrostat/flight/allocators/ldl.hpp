@@ -3,6 +3,8 @@
 #pragma once
 #include <Eigen/Core>
 
+#include "gyrostat/flight/allocators/unroll.hpp"
+
 namespace gyrostat {
 
 /// Factor of a symmetric positive definite M x M matrix; only its lower triangle is read.
@@ -14,13 +16,17 @@ class Ldl {
 
   /// False when a pivot is not above `smallest` times its diagonal element: so much was lost by cancellation.
   bool factor(const Matrix& A, S smallest) noexcept {
+    GYROSTAT_UNROLL
     for (int j = 0; j < M; ++j) {
       S pivot = A(j, j);
+      GYROSTAT_UNROLL
       for (int k = 0; k < j; ++k) pivot -= L_(j, k) * scaled_(j, k);
       if (!(pivot > smallest * A(j, j))) return false;
       inverse_[j] = S(1) / pivot;
+      GYROSTAT_UNROLL
       for (int i = j + 1; i < M; ++i) {
         S sum = A(i, j);
+        GYROSTAT_UNROLL
         for (int k = 0; k < j; ++k) sum -= L_(i, k) * scaled_(j, k);
         scaled_(i, j) = sum;
         L_(i, j) = sum * inverse_[j];
@@ -31,11 +37,14 @@ class Ldl {
 
   Vector solve(const Vector& b) const noexcept {
     Vector x = b;
-    for (int i = 1; i < M; ++i)
-      for (int k = 0; k < i; ++k) x[i] -= L_(i, k) * x[k];
+    GYROSTAT_UNROLL
+    for (int i = 1; i < M; ++i) GYROSTAT_UNROLL
+    for (int k = 0; k < i; ++k) x[i] -= L_(i, k) * x[k];
+    GYROSTAT_UNROLL
     for (int i = 0; i < M; ++i) x[i] *= inverse_[i];
-    for (int i = M - 2; i >= 0; --i)
-      for (int k = i + 1; k < M; ++k) x[i] -= L_(k, i) * x[k];
+    GYROSTAT_UNROLL
+    for (int i = M - 2; i >= 0; --i) GYROSTAT_UNROLL
+    for (int k = i + 1; k < M; ++k) x[i] -= L_(k, i) * x[k];
     return x;
   }
 
