@@ -29,23 +29,10 @@ function(gyrostat_flags target)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
 endfunction()
 
-# Leaves out of a list the files that are yet to be written.
-function(gyrostat_present list)
-  foreach(file IN LISTS ${list})
-    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${file})
-      message(STATUS "gyrostat: not there yet: ${file}")
-      list(REMOVE_ITEM ${list} ${file})
-    endif()
-  endforeach()
-  set(${list} ${${list}} PARENT_SCOPE)
-endfunction()
-
 # gyrostat_layer(<name> HEADERS <paths below this folder>... [SOURCES <paths>...])
 # Target gyrostat_<name>, alias gyrostat::<name>, include root: this folder. Header-only without SOURCES.
 function(gyrostat_layer name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;SOURCES")
-  gyrostat_present(arg_HEADERS)
-  gyrostat_present(arg_SOURCES)
   set(target gyrostat_${name})
   if(arg_SOURCES)
     set(scope PUBLIC)
