@@ -12,7 +12,7 @@ CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.
 PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp asan python lint bench matrix tidy format stubs clean debian-run debian-test debian-bench
+.PHONY: help run test cpp headers asan python lint bench matrix tidy format stubs clean debian-run debian-test debian-bench
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -23,10 +23,9 @@ run: debian-run $(VENV)/package.stamp  ## install what is missing, reproduce eve
 test: debian-test lint cpp asan python  ## the same set-up, then all tests, types, stubs and format
 	@echo "all tests passed"
 
-cpp: debian-test  ## C++ libraries, optimised: the embedded contract, layers, headers alone, an outside project
+cpp: debian-test  ## C++ libraries, optimised: the embedded contract, layers, an outside project
 	@$(STEP) configure-release cmake --preset release -DGYROSTAT_TEST_UNITS=OFF
 	@$(STEP) build-release cmake --build --preset release
-	@$(STEP) headers-alone cmake --build --preset release --target all_verify_interface_header_sets
 	@$(STEP) ctest-release ctest --preset release
 
 asan: debian-test $(VENV)/venv.stamp  ## C++ unit tests and a short loop per component, under the address and undefined-behaviour sanitizers
@@ -58,7 +57,11 @@ bench: debian-bench  ## benchmarks; each prints its table
 	@$(STEP) build-bench cmake --build --preset bench
 	@for b in build/bench/benchmarks/bench_*; do [ -x $$b ] && [ -f $$b ] && echo "== $${b##*/}" && $$b; done
 
-matrix: debian-test  ## the flight code and its tests with every compiler found
+headers: debian-test  ## every header compiled alone (a minute and a half; make test checks the layers' include roots)
+	@$(STEP) configure-release cmake --preset release
+	@$(STEP) headers-alone cmake --build --preset release --target all_verify_interface_header_sets
+
+matrix: debian-test headers  ## the flight code and its tests with every compiler found
 	@scripts/matrix
 
 tidy: debian-test  ## clang-tidy over our own sources
