@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 namespace gyrostat::bindings {
+void bind_allocation(pybind11::module_& m);
 void bind_core(pybind11::module_& m);
 void bind_host(pybind11::module_& m);
 }  // namespace gyrostat::bindings
@@ -9,6 +10,7 @@ void bind_host(pybind11::module_& m);
 PYBIND11_MODULE(_core, m) {
   m.doc() = "C++ core of gyrostat.";
   m.attr("__version__") = GYROSTAT_VERSION;
+  gyrostat::bindings::bind_allocation(m);
   gyrostat::bindings::bind_core(m);
   gyrostat::bindings::bind_host(m);
 }

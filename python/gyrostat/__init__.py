@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gyrostat import (
+        allocation,
         attitude,
         design,
         disturbances,
@@ -52,6 +53,7 @@ __all__ = [
     "Truth",
     "Vehicle",
     "__version__",
+    "allocation",
     "allocator",
     "attitude",
     "controller",

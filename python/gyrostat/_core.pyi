@@ -18,6 +18,7 @@ __all__: list[str] = [
     "NominalVehicle",
     "Reference",
     "Setup",
+    "allocate",
     "catalogue",
     "channel_names",
     "check",
@@ -371,6 +372,29 @@ class Allocation:
         """
     @worst_case.setter
     def worst_case(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+def allocate(
+    D: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    row_weight: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    demand: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    effectiveness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    lo: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    up: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    preferred: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    effort_weight: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    bound: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    priority: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    mode: typing.SupportsInt | typing.SupportsIndex,
+    worst_case: typing.SupportsInt | typing.SupportsIndex,
+    residual_weight: typing.SupportsFloat | typing.SupportsIndex,
+    margin: typing.SupportsFloat | typing.SupportsIndex,
+    effectiveness_min: typing.SupportsFloat | typing.SupportsIndex,
+    max_newton: typing.SupportsInt | typing.SupportsIndex,
+    warm: bool,
+) -> dict:
+    """
+    Solve a batch of allocation problems; use gyrostat.allocation.solve. Arrays have one row a problem; releases the GIL.
+    """
 
 def catalogue() -> dict:
     """

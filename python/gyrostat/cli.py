@@ -219,21 +219,34 @@ def check(
     """Check a scenario without flying it: components against vehicle and period, and stability of the compensation.
 
     With a finite-time disturbance observer it says whether feeding the estimate forward through weakened actuators is
-    stable, unstable or unproven, with the critical effectiveness. Exit status 1 if a check fails.
+    stable, unstable or unproven, with the critical effectiveness. It also says which torque the actuators can give in
+    every direction, healthy and after the faults. Exit status 1 if a check fails.
 
     Examples: `gyrostat check wheel2_degraded`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """
+    from gyrostat.allocation import attainable_after_faults
     from gyrostat.design import scenario_margin
 
     checked = _scenario(scenario, settings)
     rows = checked.check()
     margin = scenario_margin(checked, effectiveness)
+    sets = attainable_after_faults(checked)
+    torque = (
+        None
+        if sets is None
+        else dict(zip(("healthy", "after_faults"), (s.in_every_direction for s in sets), strict=True))
+    )
     if as_json:
-        _print_json({"checks": rows, "compensation": None if margin is None else vars(margin)})
+        _print_json({"checks": rows, "compensation": None if margin is None else vars(margin), "torque": torque})
     else:
         lines = [(r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows]
         if margin is not None:
             lines.append(("compensation", checked.resolve()["observer"]["type"], str(margin)))
+        if torque is not None:
+            reach = (
+                f"{torque['after_faults']:.3g} N m in every direction after the faults, {torque['healthy']:.3g} healthy"
+            )
+            lines.append(("torque", "actuators", reach if torque["after_faults"] > 0 else f"an axis is lost: {reach}"))
         _print_columns(lines)
     if not all(r["ok"] for r in rows):
         raise typer.Exit(1)

@@ -23,6 +23,7 @@ import numpy as np
 
 from gyrostat import _core
 from gyrostat.components import Matrix
+from gyrostat.design.idle import faults_alone
 from gyrostat.errors import InputError
 from gyrostat.scenario import Scenario
 
@@ -114,18 +115,6 @@ def scenario_margin(scenario: Scenario, effectiveness: tuple[float, float] | Non
     if observer.get("type") != "finite_time_disturbance":
         return None
     if effectiveness is None:
-        idle = scenario.replace(
-            observer="passthrough",
-            detector="none",
-            controller="open_loop",
-            integrator="rk4",
-            initial={},
-            disturbances=[],
-            sensors=[],
-            shadows=[],
-            record=None,
-        )
-        samples = round(idle.duration / idle.dt)
-        passed = idle.run(channels=["truth.effectiveness"], every=max(1, samples // 20_000))
-        effectiveness = effectiveness_range(idle.vehicle.D_B, passed["truth.effectiveness"])
+        passed = faults_alone(scenario, ["truth.effectiveness"])
+        effectiveness = effectiveness_range(scenario.vehicle.D_B, passed["truth.effectiveness"])
     return compensation_margin(observer["lambda1"], observer["lambda2"], effectiveness)

@@ -1,0 +1,334 @@
+# SPDX-License-Identifier: MIT
+"""Allocation on arrays: optimality proven from the returned numbers, shapes, the attainable set against samples."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+from scipy.spatial import ConvexHull
+
+import gyrostat as gs
+from gyrostat import allocation
+
+PYRAMID = np.array([[1, 1, -1, -1], [1, -1, -1, 1], [1, 1, 1, 1]]) / np.sqrt(3.0)
+MODES = ("lexicographic", "lexicographic_scaled", "weighted_least_squares", "robust_socp")
+
+
+def problem(seed: int, rows: int, n: int) -> dict[str, Any]:
+    """Half of the demands can be had; some actuators are dead."""
+    rng = np.random.default_rng(seed)
+    D = rng.normal(size=(rows, n))
+    D /= np.linalg.norm(D, axis=0)
+    e = np.where(rng.random(n) < 0.1, 0.0, rng.uniform(0.2, 1.0, n))
+    up, lo = rng.uniform(0.1, 0.3, n), -rng.uniform(0.1, 0.3, n)
+    inside = D @ (e * rng.uniform(lo, up))
+    return {
+        "D": D,
+        "demand": inside * rng.choice([0.5, 1.0, 2.0, 4.0]),
+        "up": up,
+        "lo": lo,
+        "effectiveness": e,
+        "preferred": rng.uniform(-0.1, 0.1, n) * rng.integers(0, 2),
+        "effort_weight": np.exp(rng.uniform(-1, 1, n)),
+        "bound": rng.uniform(0, 0.3, n),
+    }
+
+
+problems = st.builds(problem, st.integers(0, 2**32 - 1), st.just(3), st.integers(3, 16)) | st.builds(
+    problem, st.integers(0, 2**32 - 1), st.just(6), st.integers(6, 16)
+)
+
+
+def exact(values: Any) -> Any:
+    """Rational numbers: what is computed with them has no rounding."""
+    return np.vectorize(Fraction, otypes=[object])(np.asarray(values, float))
+
+
+def box_minimum(p: dict[str, Any], slope: Any) -> Fraction:
+    """sum of min over the box of weight/2 (u - preferred)^2 + slope u, without rounding."""
+    w, mid = exact(p["effort_weight"]), exact(p["preferred"])
+    u = np.minimum(np.maximum(mid - slope / w, exact(p["lo"])), exact(p["up"]))
+    return Fraction(sum(w / 2 * (u - mid) ** 2 + slope * u))
+
+
+def axes(p: dict[str, Any]) -> Any:
+    return exact(p["D"]) * exact(p["effectiveness"])
+
+
+def effort(p: dict[str, Any], u: Any) -> Fraction:
+    return Fraction(sum(exact(p["effort_weight"]) / 2 * (exact(u) - exact(p["preferred"])) ** 2))
+
+
+@settings(max_examples=150)
+@given(problems)
+def test_weighted_least_squares_is_within_its_proof(p: dict[str, Any]) -> None:
+    s = allocation.solve(**p, mode="weighted_least_squares", residual_weight=1e4)
+    A, u, y, gamma = axes(p), exact(s.command), exact(s.multiplier), Fraction(float(s.residual_weight))
+    r = exact(p["demand"]) - A @ u
+    primal = effort(p, s.command) + gamma / 2 * (r @ r)
+    dual = y @ exact(p["demand"]) - (y @ y) / (2 * gamma) + box_minimum(p, -(A.T @ y))
+    assert primal - dual >= 0  # exact arithmetic: the bound is a bound without any tolerance
+    assert float(primal - dual) <= 1e-12 * float(primal)
+    assert s.primal == pytest.approx(float(primal), rel=1e-11)
+
+
+@settings(max_examples=150)
+@given(problems)
+def test_no_torque_in_reach_is_closer_than_the_lexicographic_one(p: dict[str, Any]) -> None:
+    s = allocation.solve(**p)
+    A = p["D"] * p["effectiveness"]
+    r = p["demand"] - A @ s.command
+    scale = np.abs(A).sum() * 0.3 + np.abs(p["demand"]).max()
+    np.testing.assert_allclose(s.residual, r, atol=1e-14 * scale)
+    if s.status == "optimal":
+        assert np.linalg.norm(r) <= 1e-10 * scale
+        return
+    v = s.infeasibility_direction if s.infeasibility_direction.any() else r
+    v = v / np.linalg.norm(v)
+    support = np.maximum(v @ A * p["up"], v @ A * p["lo"]).sum()
+    assert np.linalg.norm(r) - max(v @ p["demand"] - support, 0) <= 1e-10 * scale
+
+
+@settings(max_examples=100)
+@given(problems)
+def test_effort_is_least_for_what_is_delivered(p: dict[str, Any]) -> None:
+    s = allocation.solve(**p)
+    A, u, y = axes(p), exact(s.command), exact(s.multiplier)
+    bound = y @ (A @ u) + box_minimum(p, -(A.T @ y))
+    size = float(effort(p, p["up"]) + effort(p, p["lo"]))
+    assert effort(p, s.command) - bound >= 0
+    assert float(effort(p, s.command) - bound) <= 1e-10 * size
+
+
+@settings(max_examples=100)
+@given(problems, st.floats(1.0, 5.0))
+def test_robust_objective_is_within_its_proof(p: dict[str, Any], log_weight: float) -> None:
+    h = 10**log_weight
+    s = allocation.solve(**p, mode="robust_socp", residual_weight=h)
+    A = p["D"] * p["effectiveness"]
+    s_max = np.linalg.norm(p["D"], 2)
+    g = p["bound"] * p["effectiveness"]
+    worst = np.linalg.norm(p["demand"] - A @ s.command) + s_max * np.linalg.norm(g * s.command)
+    assert s.worst_case == pytest.approx(worst, rel=1e-10)
+    primal = float(effort(p, s.command)) + h / 2 * worst**2
+    z = -s.multiplier / h
+    sigma = s_max**2 * g * s.command / s.theta if s.theta > 0 else 0 * g
+    kappa2 = z @ z + max(0.0, (sigma @ sigma) / s_max**2 - z @ z)
+    dual = -h * (z @ p["demand"] + kappa2 / 2) + float(box_minimum(p, exact(h * (A.T @ z + g * sigma))))
+    assert -1e-10 * primal <= primal - dual <= 1e-8 * primal
+
+
+@settings(max_examples=100)
+@given(problems)
+def test_scaled_share_is_what_a_linear_program_finds(p: dict[str, Any]) -> None:
+    s = allocation.solve(**p, mode="lexicographic_scaled")
+    A = p["D"] * p["effectiveness"]
+    n = A.shape[1]
+    scale = np.abs(A).sum() * 0.3 + np.abs(p["demand"]).max()
+    np.testing.assert_allclose(s.achieved, s.scale * p["demand"], atol=1e-9 * scale)
+    lp = linprog(
+        np.append(np.zeros(n), -1.0),
+        A_eq=np.column_stack([A, -p["demand"]]),
+        b_eq=np.zeros(len(A)),
+        bounds=[*zip(p["lo"], p["up"], strict=True), (0.0, 1.0)],
+    )
+    if lp.status == 0:  # a rank-deficient program may fail there
+        assert float(s.scale) == pytest.approx(lp.x[-1], abs=1e-6)  # the simplex's own tolerance
+
+
+@settings(max_examples=60)
+@given(problems, st.sampled_from(MODES), st.data())
+def test_commands_stay_in_the_box_whatever_the_input(
+    p: dict[str, Any], mode: allocation.Mode, data: st.DataObject
+) -> None:
+    wild = st.floats(allow_nan=True, allow_infinity=True)
+    for key in ("demand", "preferred", "effectiveness", "effort_weight", "bound"):
+        if data.draw(st.booleans(), label=key):
+            p[key] = p[key].copy()
+            p[key][data.draw(st.integers(0, len(p[key]) - 1))] = data.draw(wild)
+    s = allocation.solve(**p, mode=mode)
+    assert np.all((p["lo"] <= s.command) & (s.command <= p["up"]))
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_a_batch_is_its_problems_one_by_one(mode: allocation.Mode) -> None:
+    rng = np.random.default_rng(1)
+    demand, e = rng.normal(size=(5, 1, 3)) * 0.2, rng.uniform(0.3, 1, (7, 4))
+    batch = allocation.solve(PYRAMID, demand, 0.2, effectiveness=e, bound=0.1, mode=mode)
+    assert batch.command.shape == (5, 7, 4)
+    assert batch.status.shape == batch.gap.shape == (5, 7)
+    for i in range(5):
+        for k in range(7):
+            one = allocation.solve(PYRAMID, demand[i, 0], 0.2, effectiveness=e[k], bound=0.1, mode=mode)
+            np.testing.assert_array_equal(one.command, batch.command[i, k])
+
+
+def test_one_geometry_each() -> None:
+    turned = np.stack([PYRAMID, PYRAMID[::-1]])
+    s = allocation.solve(turned, [0.1, 0.05, 0.02], 0.2)
+    np.testing.assert_allclose(s.achieved, [[0.1, 0.05, 0.02]] * 2, atol=1e-15)
+    assert not np.allclose(s.command[0], s.command[1])
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_a_warm_series_ends_where_cold_starts_do_in_fewer_steps(mode: allocation.Mode) -> None:
+    demand = 0.3 * np.sin(np.linspace(0, 6, 300))[:, None] * [1.0, 0.7, -0.4]
+    args: dict[str, Any] = {"effectiveness": [1, 0.4, 0.8, 1], "bound": 0.1, "mode": mode}
+    cold, warm = (allocation.solve(PYRAMID, demand, 0.2, warm=w, **args) for w in (False, True))
+    np.testing.assert_allclose(warm.command, cold.command, atol=1e-6)
+    assert warm.newton.sum() <= cold.newton.sum()
+
+
+def test_first_row_has_priority() -> None:
+    s = allocation.solve(PYRAMID, [0.6, 0.6, 0.3], 0.2, priority=[1, 1, 0])
+    assert s.achieved[2] == pytest.approx(0.3, abs=1e-12)
+
+
+def test_what_cannot_be_a_problem_is_reported_not_raised() -> None:
+    demand = np.full((3, 3), 0.1)
+    demand[1, 0] = np.nan
+    s = allocation.solve(PYRAMID, demand, 0.2, warm=True)
+    assert list(s.status) == ["optimal", "bad_input", "optimal"]
+    np.testing.assert_array_equal(s.command[1], s.command[0])  # the previous one
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"demand": [1.0, 2.0]}, "rows"),
+        ({"up": [0.2, 0.2]}, "up"),
+        ({"effectiveness": np.ones(5)}, "effectiveness"),
+        ({"mode": "fastest"}, "mode 'fastest'"),
+        ({"worst_case": "none"}, "worst_case 'none'"),
+        ({"priority": [0, 1]}, "priority"),
+        ({"row_weight": [1.0, -1.0, 1.0]}, "row_weight"),
+    ],
+)
+def test_shapes_and_names_are_checked(change: dict[str, Any], message: str) -> None:
+    args: dict[str, Any] = {"D": PYRAMID, "demand": [0.1, 0.0, 0.0], "up": 0.2} | change
+    with pytest.raises(ValueError, match=message):
+        allocation.solve(**args)
+
+
+def test_radius_of_the_attainable_set_is_where_the_lexicographic_command_stops() -> None:
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        n = int(rng.integers(3, 9))
+        D, up, lo = rng.normal(size=(3, n)), rng.uniform(0.1, 0.3, n), -rng.uniform(0.1, 0.3, n)
+        reach = allocation.attainable_set(D, up, lo)
+        directions = rng.normal(size=(50, 3))
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        radius = reach.radius(directions)[:, None]
+        inside = allocation.solve(D, 0.999 * radius * directions, up, lo)
+        beyond = allocation.solve(D, 1.001 * radius * directions, up, lo)
+        assert set(inside.status) == {"optimal"}
+        assert set(beyond.status) == {"optimal_reduced"}
+        assert reach.contains(0.999 * radius * directions).all()
+        assert not reach.contains(1.001 * radius * directions).any()
+
+
+def test_attainable_set_is_the_hull_of_the_extreme_commands() -> None:
+    rng = np.random.default_rng(5)
+    for n in (3, 4, 6):
+        D, up, lo, e = (
+            rng.normal(size=(3, n)),
+            rng.uniform(0.1, 0.3, n),
+            -rng.uniform(0.0, 0.3, n),
+            rng.uniform(0.2, 1, n),
+        )
+        corners = np.stack(np.meshgrid(*zip(lo, up, strict=True), indexing="ij"), -1).reshape(-1, n) @ (D * e).T
+        hull = ConvexHull(corners)
+        reach = allocation.attainable_set(D, up, lo, e)
+        assert reach.volume == pytest.approx(hull.volume, rel=1e-12)
+        expected = corners[hull.vertices]
+        assert reach.vertices().shape == expected.shape
+        distance = np.linalg.norm(reach.vertices()[:, None] - expected, axis=-1).min(axis=0)
+        assert distance.max() < 1e-14
+        v = rng.normal(size=(10, 3))
+        np.testing.assert_allclose(reach.support(v), (v @ corners.T).max(axis=1), rtol=1e-12)
+
+
+def test_faces_of_the_pyramid_are_its_twelve_parallelograms() -> None:
+    reach = allocation.attainable_set(PYRAMID, 0.2)
+    faces = reach.faces()
+    assert len(faces) == 12  # a rhombic dodecahedron
+    assert {len(f) for f in faces} == {4}
+    assert len(reach.vertices()) == 14
+    for face, normal in zip(faces, reach.normals, strict=True):
+        assert np.cross(face[1] - face[0], face[2] - face[1]) @ normal > 0  # counter-clockwise from outside
+    # largest sphere inside: faces lie at 2 u_max |g_i . n| with n along (1, 1, 0)
+    assert reach.in_every_direction == pytest.approx(0.4 * np.sqrt(2 / 3), rel=1e-12)
+
+
+def test_cube_of_three_axes_with_doubled_ones_has_six_faces() -> None:
+    reach = allocation.attainable_set(np.hstack([np.eye(3), np.eye(3)]), 0.1)
+    assert len(reach.faces()) == 6
+    assert reach.volume == pytest.approx(0.4**3)
+    assert reach.in_every_direction == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize(
+    ("axes_left", "corners", "along", "across"), [([0, 1], 4, [1, 1, 0], [0, 0, 1]), ([2], 2, [0, 0, 1], [1, 0, 0])]
+)
+def test_flat_sets_reach_only_along_themselves(
+    axes_left: list[int], corners: int, along: list[float], across: list[float]
+) -> None:
+    e = np.isin(range(3), axes_left).astype(float)
+    reach = allocation.attainable_set(np.eye(3), 0.1, effectiveness=e)
+    assert reach.volume == 0
+    assert reach.in_every_direction == pytest.approx(0, abs=1e-15)
+    assert reach.radius(across) == pytest.approx(0, abs=1e-15)
+    assert reach.radius(along) == pytest.approx(0.1 * np.linalg.norm(along))
+    assert len(reach.vertices()) == corners
+
+
+def test_nothing_left_is_a_point() -> None:
+    reach = allocation.attainable_set(PYRAMID, 0.2, effectiveness=0.0)
+    assert reach.volume == 0
+    assert reach.radius([1, 0, 0]) == 0
+    assert reach.vertices().shape == (1, 3)
+
+
+def test_radius_is_nan_where_the_ray_misses() -> None:
+    reach = allocation.attainable_set(np.eye(3), up=0.3, lo=0.1)
+    assert np.isnan(reach.radius([1, 0, 0]))
+    assert reach.radius([1, 1, 1]) == pytest.approx(0.3 * np.sqrt(3))
+    assert reach.in_every_direction < 0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"D": np.eye(2)}, {"up": np.inf}, {"up": -1.0}, {"up": 0.1, "lo": 0.2}],
+    ids=["rows", "infinite", "negative", "order"],
+)
+def test_attainable_sets_need_three_rows_and_finite_limits(change: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"actuators|finite"):
+        allocation.attainable_set(**{"D": np.eye(3), "up": 0.1, **change})
+
+
+def test_a_scenario_says_what_its_faults_leave() -> None:
+    scenario = gs.Scenario.load("wheel2_degraded")
+    sets = allocation.attainable_after_faults(scenario)
+    assert sets is not None
+    healthy, left = sets
+    expected = allocation.attainable_set(PYRAMID, 0.2, effectiveness=[1, 1, 0.4, 1])
+    assert healthy.in_every_direction == pytest.approx(0.4 * np.sqrt(2 / 3), rel=1e-12)
+    assert left.in_every_direction == pytest.approx(expected.in_every_direction, rel=1e-12)
+
+
+def test_stuck_actuators_move_the_set() -> None:
+    scenario = gs.Scenario.load("wheel2_degraded").replace(faults=[gs.faults.Stuck(actuator=1, t_on=5.0, torque=0.1)])
+    sets = allocation.attainable_after_faults(scenario)
+    assert sets is not None
+    np.testing.assert_allclose(sets[1].centre, 0.1 * PYRAMID[:, 1], atol=1e-15)
+
+
+def test_without_limits_there_is_no_set() -> None:
+    scenario = gs.Scenario.load("wheel2_degraded").replace(**{"vehicle.u_max": float("inf")})
+    assert allocation.attainable_after_faults(scenario) is None
