@@ -231,11 +231,8 @@ def check(
     rows = checked.check()
     margin = scenario_margin(checked, effectiveness)
     sets = attainable_after_faults(checked)
-    torque = (
-        None
-        if sets is None
-        else dict(zip(("healthy", "after_faults"), (s.in_every_direction for s in sets), strict=True))
-    )
+    reach = None if sets is None else [s.in_every_direction for s in sets]
+    torque = None if reach is None else {"healthy": reach[0], "after_faults": reach[1]}
     if as_json:
         _print_json({"checks": rows, "compensation": None if margin is None else vars(margin), "torque": torque})
     else:
@@ -243,13 +240,18 @@ def check(
         if margin is not None:
             lines.append(("compensation", checked.resolve()["observer"]["type"], str(margin)))
         if torque is not None:
-            reach = (
-                f"{torque['after_faults']:.3g} N m in every direction after the faults, {torque['healthy']:.3g} healthy"
-            )
-            lines.append(("torque", "actuators", reach if torque["after_faults"] > 0 else f"an axis is lost: {reach}"))
+            lines.append(("torque", "actuators", _reach(torque["healthy"], torque["after_faults"])))
         _print_columns(lines)
     if not all(r["ok"] for r in rows):
         raise typer.Exit(1)
+
+
+def _reach(healthy: float, left: float) -> str:
+    """What the actuators can do, in words."""
+    now = (
+        f"{left:.3g} N m in every direction" if left > 0.0 else f"some direction falls short of zero by {-left:.3g} N m"
+    )
+    return f"after the faults {now}, healthy {healthy:.3g} N m"
 
 
 @app.command()

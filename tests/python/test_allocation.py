@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import json
+import runpy
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,10 +15,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
+from typer.testing import CliRunner
 
 import gyrostat as gs
 from gyrostat import allocation
+from gyrostat.cli import app
 
+ROOT = Path(__file__).parents[2]
 PYRAMID = np.array([[1, 1, -1, -1], [1, -1, -1, 1], [1, 1, 1, 1]]) / np.sqrt(3.0)
 MODES = ("lexicographic", "lexicographic_scaled", "weighted_least_squares", "robust_socp")
 
@@ -320,6 +326,22 @@ def test_a_scenario_says_what_its_faults_leave() -> None:
     expected = allocation.attainable_set(PYRAMID, 0.2, effectiveness=[1, 1, 0.4, 1])
     assert healthy.in_every_direction == pytest.approx(0.4 * np.sqrt(2 / 3), rel=1e-12)
     assert left.in_every_direction == pytest.approx(expected.in_every_direction, rel=1e-12)
+
+
+def test_check_says_what_the_faults_leave() -> None:
+    printed = CliRunner().invoke(app, ["check", "wheel2_degraded"])
+    assert printed.exit_code == 0
+    assert "after the faults 0.229 N m in every direction, healthy 0.327 N m" in printed.output
+    printed = CliRunner().invoke(app, ["check", "wheel2_degraded", "--json"])
+    assert json.loads(printed.output)["torque"]["after_faults"] == pytest.approx(0.2286, abs=1e-4)
+
+
+def test_the_figure_shows_what_the_modes_do() -> None:
+    script = ROOT / "docs" / "figures" / "allocation_edge.py"
+    drawn = runpy.run_path(str(script))["draw"]().data
+    with np.load(script.with_suffix(".npz")) as saved:
+        for signal, values in drawn.items():
+            np.testing.assert_allclose(saved[signal], values, rtol=0, atol=1e-9, err_msg=signal)
 
 
 def test_stuck_actuators_move_the_set() -> None:
