@@ -225,24 +225,34 @@ def check(
     Examples: `gyrostat check wheel2_degraded`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """
     from gyrostat.allocation import attainable_after_faults
-    from gyrostat.design import scenario_margin
+    from gyrostat.design import CHECKS, scenario_margin
 
     checked = _scenario(scenario, settings)
     rows = checked.check()
+    findings = [finding for look in CHECKS for finding in look(checked)]
     margin = scenario_margin(checked, effectiveness)
     sets = attainable_after_faults(checked)
     reach = None if sets is None else [s.in_every_direction for s in sets]
     torque = None if reach is None else {"healthy": reach[0], "after_faults": reach[1]}
     if as_json:
-        _print_json({"checks": rows, "compensation": None if margin is None else vars(margin), "torque": torque})
+        _print_json(
+            {
+                "checks": rows,
+                "design": [vars(f) for f in findings],
+                "compensation": None if margin is None else vars(margin),
+                "torque": torque,
+            }
+        )
     else:
         lines = [(r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows]
+        verdicts = {True: "ok: ", False: "fails: ", None: ""}
+        lines += [(f.where, f.name, verdicts[f.ok] + f.text) for f in findings]
         if margin is not None:
             lines.append(("compensation", checked.resolve()["observer"]["type"], str(margin)))
         if torque is not None:
             lines.append(("torque", "actuators", _reach(torque["healthy"], torque["after_faults"])))
         _print_columns(lines)
-    if not all(r["ok"] for r in rows):
+    if not all(r["ok"] for r in rows) or any(f.ok is False for f in findings):
         raise typer.Exit(1)
 
 

@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Gain design and theorem margins, in numpy."""
+"""Gain design and theorem margins, in numpy.
+
+`CHECKS` is what ``gyrostat check`` asks besides the components themselves: each takes a scenario and returns its
+findings, none when the scenario does not fly what it knows about.
+"""
+
+from collections.abc import Callable
 
 from gyrostat.design.compensation import (
     CompensationMargin,
@@ -8,9 +14,15 @@ from gyrostat.design.compensation import (
     effectiveness_range,
     scenario_margin,
 )
+from gyrostat.design.finding import Finding
+from gyrostat.scenario import Scenario
+
+CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = ()
 
 __all__ = [
+    "CHECKS",
     "CompensationMargin",
+    "Finding",
     "compensation_margin",
     "critical_effectiveness",
     "effectiveness_range",
