@@ -12,7 +12,7 @@ CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.
 PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp headers asan python lint bench matrix tidy format stubs clean debian-run debian-test debian-bench
+.PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy format stubs clean debian-run debian-test debian-bench
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -28,14 +28,18 @@ cpp: debian-test  ## C++ libraries, optimised: the embedded contract, layers, an
 	@$(STEP) build-release cmake --build --preset release
 	@$(STEP) ctest-release ctest --preset release
 
-asan: debian-test $(VENV)/venv.stamp  ## C++ unit tests and a short loop per component, under the address and undefined-behaviour sanitizers
-	@$(STEP) configure-asan cmake --preset asan -DPython_EXECUTABLE=$(abspath $(BIN)/python)
+asan: debian-test  ## C++ unit tests and a short loop per component, under the address and undefined-behaviour sanitizers
+	@$(STEP) configure-asan cmake --preset asan
 	@$(STEP) build-asan cmake --build --preset asan
 	@$(STEP) ctest-asan ctest --preset asan
-	@$(STEP) short-loops scripts/sanitized $(BIN)/python tests/sanitized/short_loops.py build/asan/bindings
+
+asan-python: debian-test $(VENV)/venv.stamp  ## the compiled Python module under the sanitizers
+	@$(STEP) configure-asan-python cmake --preset asan-python -DPython_EXECUTABLE=$(abspath $(BIN)/python)
+	@$(STEP) build-asan-python cmake --build --preset asan-python
+	@$(STEP) asan-python scripts/sanitized $(BIN)/python tests/sanitized/bindings.py build/asan-python/bindings
 
 python: debian-run $(VENV)/package.stamp $(VENV)/test.stamp  ## Python tests, types and stubs
-	@$(STEP) pytest $(BIN)/pytest
+	@$(STEP) pytest $(BIN)/pytest -n auto --dist loadfile
 	@$(STEP) mypy $(BIN)/mypy
 	@$(STEP) stubs scripts/stubs $(BIN) --check
 
@@ -61,7 +65,7 @@ headers: debian-test  ## every header compiled alone (a minute and a half; make 
 	@$(STEP) configure-release cmake --preset release
 	@$(STEP) headers-alone cmake --build --preset release --target all_verify_interface_header_sets
 
-matrix: debian-test headers  ## the flight code and its tests with every compiler found
+matrix: debian-test headers asan-python  ## the flight code and its tests with every compiler found, and the rest that CI has no time for
 	@scripts/matrix
 
 tidy: debian-test  ## clang-tidy over our own sources

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// One short closed loop for every part of the catalogue, whatever arrives later. Under the sanitizers this is where the
+// erased components, their allocators' arithmetic and every fault, disturbance, reference and sensor are looked at.
+#include <gtest/gtest.h>
+
+#include "../../../benchmarks/scenarios.hpp"
+#include "gyrostat/host/catalogue.hpp"
+#include "gyrostat/host/simulate.hpp"
+
+namespace gyrostat::host {
+namespace {
+
+using bench::row;
+
+Table base() {
+  Table s = bench::ftc_4rw("rk4");
+  Table vehicle = *s.find("vehicle")->as<Table>();
+  vehicle.set("orbit_rate", 1e-3);
+  s.set("vehicle", vehicle);
+  s.set("duration", 1.0);
+  s.set("seed", 1);
+  s.set("allow_unstable", true);
+  s.set("faults",
+        List{Table{{"type", "loss_of_effectiveness"}, {"actuator", 2}, {"t_on", 0.5037}, {"remaining", 0.4}}});
+  s.set("record", Table{{"channels", List{"truth.*", "measurement.*", "reference.*", "estimate.*", "detection.*",
+                                          "demand.*", "allocation.*"}}});
+  return s;
+}
+
+/// The part by its name, with what it needs beyond its defaults to do something.
+Table part(const std::string& family, const std::string& name) {
+  Table t{{"type", name}};
+  if (family == "fault") {
+    t.set("actuator", 1);
+    t.set("t_on", 0.2513);
+  }
+  if (family == "sensor") {
+    t.set("noise", 1e-4);
+    t.set("delay", 3);
+    t.set("quantisation", 1e-5);
+  }
+  if (name == "slew") {
+    t.set("to_euler", row({0.3, 0.2, -0.1}));
+    t.set("duration", 0.8);
+  }
+  if (name == "steps" && family == "reference") {
+    t.set("times", row({0, 0.5}));
+    t.set("euler", List{row({0, 0, 0}), row({0.1, 0, 0})});
+  }
+  if (name == "sum") t.set("terms", List{Table{{"type", "square"}}, 1e-3});
+  return t;
+}
+
+Table with(const std::string& family, const std::string& name) {
+  Table s = base();
+  const Table chosen = part(family, name);
+  if (family == "fault" || family == "disturbance" || family == "sensor") {
+    s.set(family + "s", List{chosen});
+  } else if (family == "waveform") {
+    s.set("disturbances", List{Table{{"type", "periodic"}, {"torque_B", List{chosen, 0.0, 0.0}}}});
+  } else {
+    s.set(family, chosen);
+  }
+  return s;
+}
+
+void expect_completed(const Table& scenario, const std::string& what) {
+  const RunResult r = simulate(scenario);
+  EXPECT_EQ(r.end.code, RunEnd::Code::completed) << what << ": " << r.end.cause;
+  EXPECT_EQ(r.t.size(), 101u) << what;
+}
+
+TEST(ShortLoops, EveryPartOfTheCatalogueFlies) {
+  int flown = 0;
+  for (const auto& [family, names] : families()) {
+    if (family == "vehicle" || family == "truth" || family == "initial" || family == "run") continue;
+    for (const std::string& name : names) {
+      expect_completed(with(family, name), family + " " + name);
+      ++flown;
+    }
+  }
+  EXPECT_GE(flown, 40);
+}
+
+TEST(ShortLoops, FrictionMomentumAndOutputLimits) {
+  Table s = base();
+  s.set("truth", Table{{"viscous_friction", 1e-4},
+                       {"coulomb_friction", 1e-3},
+                       {"momentum_max", 0.05},
+                       {"limit_on", "output"}});
+  expect_completed(s, "friction");
+}
+
+TEST(ShortLoops, EveryObserverAsAShadow) {
+  Table s = base();
+  List shadows;
+  for (const std::string& name : catalogue().observers.names())
+    shadows.push_back(Table{{"observer", Table{{"type", name}}}});
+  s.set("shadows", shadows);
+  expect_completed(s, "shadows");
+}
+
+}  // namespace
+}  // namespace gyrostat::host

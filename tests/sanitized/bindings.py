@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: MIT
+"""The compiled module alone under the sanitizers: tables in, arrays out, a component in Python, a batch of problems.
+
+``make matrix`` runs it; what the components themselves do is looked at by the C++ test ``host.ShortLoops``. The address
+sanitizer must be in the process before Python is: ``LD_PRELOAD=libasan.so``. Only the module is imported, from the
+folder given as the argument.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(sys.argv[1]).resolve()))
+import _core  # type: ignore[import-not-found]
+
+S = 1 / math.sqrt(3.0)
+SCENARIO = {
+    "duration": 1.0,
+    "dt": 0.01,
+    "vehicle": {
+        "J_B": [[20.0, 0.0, 0.9], [0.0, 17.0, 0.0], [0.9, 0.0, 15.0]],
+        "D_B": [[S, S, -S, -S], [S, -S, -S, S], [S, S, S, S]],
+        "u_max": 0.2,
+    },
+    "initial": {"mrp": [0.1, 0.2, -0.3]},
+    "controller": {"type": "mrp_feedback"},
+    "record": {"channels": ["truth.*", "estimate.*", "allocation.*"]},
+}
+
+
+class Controller:
+    """Plain rate damping."""
+
+    def step(self, x, det, ref, last):  # type: ignore[no-untyped-def]
+        return -5.0 * x.omega_BN_B
+
+
+class Failing:
+    """Raises at its first step."""
+
+    def step(self, x, det, ref, last):  # type: ignore[no-untyped-def]
+        raise ArithmeticError("asked to")
+
+
+def main() -> None:
+    """A report of the sanitizer ends the process with its own status."""
+    python = {**SCENARIO, "controller": {"type": "python"}}
+    for scenario, parts in ((SCENARIO, {}), (python, {"controller": Controller()})):
+        result = _core.simulate(scenario, parts)
+        if result["status"] != "completed":
+            raise SystemExit(f"{result['status']}: {result['cause']}")
+    try:
+        _core.simulate(python, {"controller": Failing()})
+    except ArithmeticError:
+        pass
+    else:
+        raise SystemExit("the exception of a component was lost")
+    try:
+        _core.simulate({**SCENARIO, "dt": -1.0}, {})
+    except ValueError:
+        pass
+    else:
+        raise SystemExit("a negative period was accepted")
+    D = [SCENARIO["vehicle"]["D_B"]]  # type: ignore[index]
+    ones = [[1.0] * 4]
+    minus = [[-1.0] * 4]
+    zeros = [[0.0] * 4]
+    for mode in range(4):
+        _core.allocate(
+            D,
+            [[1.0] * 3],
+            [[0.1, 0.2, -0.1]],
+            ones,
+            minus,
+            ones,
+            zeros,
+            ones,
+            zeros,
+            [0, 0, 0],
+            mode,
+            0,
+            1e3,
+            0.1,
+            -1.0,
+            200,
+            False,
+        )
+    print("bindings under the sanitizers: nothing to report")
+
+
+if __name__ == "__main__":
+    main()
