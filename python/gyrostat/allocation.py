@@ -7,19 +7,16 @@ What the modes mean and when to use which: docs/allocation.md.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gyrostat import _core
 
-if TYPE_CHECKING:
-    from gyrostat.scenario import Scenario
-
-__all__ = ["AttainableSet", "Solutions", "attainable_after_faults", "attainable_set", "solve"]
+__all__ = ["AttainableSet", "Solutions", "attainable_set", "solve"]
 
 Floats = NDArray[np.float64]
 Mode = Literal["lexicographic", "lexicographic_scaled", "weighted_least_squares", "robust_socp"]
@@ -265,6 +262,10 @@ class AttainableSet:
         reached = ~outside & (leaves >= -1e-12 * size) & (leaves >= enters - 1e-12 * size)
         return np.asarray(np.where(reached, np.maximum(leaves, 0.0), np.nan))
 
+    def moved(self, by: ArrayLike) -> AttainableSet:
+        """The same set about another centre: what a torque (3,) that nobody commands makes of it."""
+        return replace(self, centre=self.centre + np.asarray(by, float))
+
     def faces(self) -> list[Floats]:
         """The polygons of the surface: corners (k, 3) in order, seen from outside counter-clockwise.
 
@@ -348,47 +349,3 @@ def _normals(generators: Floats) -> Floats:
     both = np.concatenate([found, -found])
     _, first = np.unique(np.round(both, 9) + 0.0, axis=0, return_index=True)
     return np.asarray(both[np.sort(first)])
-
-
-def attainable_after_faults(scenario: Scenario) -> tuple[AttainableSet, AttainableSet] | None:
-    """What a scenario's vehicle can do while healthy, and when its faults leave it least.
-
-    Limits are the truth's. Spare actuators count when the scenario has a detector that could enable them; what a faulty
-    actuator delivers by itself (bias, stuck output) moves the set.
-
-    Returns
-    -------
-    tuple or None
-        The healthy set, and of all that the faults leave over time the one with least torque in every direction;
-        None where a limit is infinite.
-    """
-    from gyrostat.design.idle import faults_alone
-
-    plain = scenario.resolve()
-    D = np.asarray(plain["vehicle"]["D_B"], float)
-    truth = plain.get("truth", {})
-    if truth.get("dD_B") is not None:
-        D = D + np.asarray(truth["dD_B"], float)
-    n = D.shape[1]
-
-    def limit(name: str) -> Floats | None:
-        value = truth.get(name, plain["vehicle"].get(name))
-        return None if value is None else np.broadcast_to(np.asarray(value, float), n).copy()
-
-    up, lo = limit("u_max"), limit("u_min")
-    if up is None or not np.all(np.isfinite(up)) or (lo is not None and not np.all(np.isfinite(lo))):
-        return None
-    lo = -up if lo is None else lo
-    if plain["detector"]["type"] == "none":
-        off = list(plain["vehicle"].get("spare", []))
-        up[off] = lo[off] = 0.0
-    healthy = attainable_set(D, up, lo)
-    passed = faults_alone(scenario, ["truth.effectiveness", "truth.bias"])
-    states = np.unique(np.hstack([passed["truth.effectiveness"], passed["truth.bias"]]), axis=0)
-    states = states[:: max(1, len(states) // 500)]  # a slow fade has thousands
-    sets = [_moved(attainable_set(D, up, lo, row[:n]), D @ row[n:]) for row in states]
-    return healthy, min(sets, key=lambda s: s.in_every_direction)
-
-
-def _moved(attainable: AttainableSet, by: Floats) -> AttainableSet:
-    return AttainableSet(attainable.centre + by, attainable.generators, attainable.normals, attainable.heights)

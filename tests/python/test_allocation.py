@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 import gyrostat as gs
 from gyrostat import allocation
 from gyrostat.cli import app
+from gyrostat.design import attainable_after_faults, torque_findings
 
 ROOT = Path(__file__).parents[2]
 PYRAMID = np.array([[1, 1, -1, -1], [1, -1, -1, 1], [1, 1, 1, 1]]) / np.sqrt(3.0)
@@ -320,7 +321,7 @@ def test_attainable_sets_need_three_rows_and_finite_limits(change: dict[str, Any
 
 def test_a_scenario_says_what_its_faults_leave() -> None:
     scenario = gs.Scenario.load("wheel2_degraded")
-    sets = allocation.attainable_after_faults(scenario)
+    sets = attainable_after_faults(scenario)
     assert sets is not None
     healthy, left = sets
     expected = allocation.attainable_set(PYRAMID, 0.2, effectiveness=[1, 1, 0.4, 1])
@@ -333,7 +334,41 @@ def test_check_says_what_the_faults_leave() -> None:
     assert printed.exit_code == 0
     assert "after the faults 0.229 N m in every direction, healthy 0.327 N m" in printed.output
     printed = CliRunner().invoke(app, ["check", "wheel2_degraded", "--json"])
-    assert json.loads(printed.output)["torque"]["after_faults"] == pytest.approx(0.2286, abs=1e-4)
+    (found,) = (f for f in json.loads(printed.output)["design"] if f["where"] == "torque")
+    assert found["ok"]
+    assert found["value"] == pytest.approx(0.2286, abs=1e-4)
+
+
+def test_check_says_whether_a_demand_is_within_reach() -> None:
+    """0.28 N m across the weak wheel: beyond its 0.229 N m left, inside the healthy 0.327 N m."""
+    direction = attainable_after_faults(gs.Scenario.load("wheel2_degraded"))[1]  # type: ignore[index]
+    worst = direction.normals[np.argmin(direction.heights)]
+    for size, code in ((0.22, 0), (0.28, 1)):
+        numbers = [f"{x:.17g}" for x in size * worst]
+        printed = CliRunner().invoke(app, ["check", "wheel2_degraded", "--torque", *numbers])
+        assert printed.exit_code == code, printed.output
+        assert "after the faults 0.229 N m, healthy" in printed.output
+
+
+def test_a_scenario_is_infeasible_when_its_faults_leave_a_plane() -> None:
+    dead = [gs.faults.Dead(actuator=i, t_on=5.0) for i in (0, 1)]
+    (found,) = torque_findings(gs.Scenario.load("wheel2_degraded").replace(faults=dead))
+    assert found.ok is False
+    assert found.value == pytest.approx(0.0, abs=1e-12)
+
+
+def test_flown_scenarios_say_when_their_demand_is_out_of_reach() -> None:
+    scenario = gs.Scenario.load("wheel2_degraded").replace(duration=60.0, initial={})
+    calm, flown = (torque_findings(s, fly=True)[-1] for s in (scenario, scenario.replace(**{"vehicle.u_max": 0.002})))
+    assert calm.value == 0.0
+    assert flown.value is not None
+    # Independent: the torque is missed exactly where the closest one differs from the demand.
+    run = scenario.replace(**{"vehicle.u_max": 0.002}).run()
+    closest = allocation.solve(
+        PYRAMID, run["demand.tau_B"], up=0.002, effectiveness=run["truth.effectiveness"], effectiveness_min=0.0
+    )
+    assert flown.value == pytest.approx(np.mean(closest.residual_norm > 1e-9), abs=1e-3)
+    assert 0.0 < flown.value < 1.0
 
 
 def test_the_figure_shows_what_the_modes_do() -> None:
@@ -346,11 +381,11 @@ def test_the_figure_shows_what_the_modes_do() -> None:
 
 def test_stuck_actuators_move_the_set() -> None:
     scenario = gs.Scenario.load("wheel2_degraded").replace(faults=[gs.faults.Stuck(actuator=1, t_on=5.0, torque=0.1)])
-    sets = allocation.attainable_after_faults(scenario)
+    sets = attainable_after_faults(scenario)
     assert sets is not None
     np.testing.assert_allclose(sets[1].centre, 0.1 * PYRAMID[:, 1], atol=1e-15)
 
 
 def test_without_limits_there_is_no_set() -> None:
     scenario = gs.Scenario.load("wheel2_degraded").replace(**{"vehicle.u_max": float("inf")})
-    assert allocation.attainable_after_faults(scenario) is None
+    assert attainable_after_faults(scenario) is None

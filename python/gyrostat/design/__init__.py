@@ -14,6 +14,7 @@ from gyrostat.design.compensation import (
     effectiveness_range,
     scenario_margin,
 )
+from gyrostat.design.feasibility import attainable_after_faults, torque_findings
 from gyrostat.design.finding import Finding
 from gyrostat.scenario import Scenario
 
@@ -23,8 +24,10 @@ __all__ = [
     "CHECKS",
     "CompensationMargin",
     "Finding",
+    "attainable_after_faults",
     "compensation_margin",
     "critical_effectiveness",
     "effectiveness_range",
     "scenario_margin",
+    "torque_findings",
 ]

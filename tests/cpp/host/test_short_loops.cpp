@@ -84,10 +84,8 @@ TEST(ShortLoops, EveryPartOfTheCatalogueFlies) {
 
 TEST(ShortLoops, FrictionMomentumAndOutputLimits) {
   Table s = base();
-  s.set("truth", Table{{"viscous_friction", 1e-4},
-                       {"coulomb_friction", 1e-3},
-                       {"momentum_max", 0.05},
-                       {"limit_on", "output"}});
+  s.set("truth",
+        Table{{"viscous_friction", 1e-4}, {"coulomb_friction", 1e-3}, {"momentum_max", 0.05}, {"limit_on", "output"}});
   expect_completed(s, "friction");
 }
 

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+"""Whether the actuators can give what is asked of them, healthy and after a scenario's faults."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrostat.allocation import AttainableSet, attainable_set
+from gyrostat.design.finding import Finding
+from gyrostat.design.idle import faults_alone
+from gyrostat.scenario import Scenario
+
+Floats = NDArray[np.float64]
+
+
+def attainable_after_faults(scenario: Scenario) -> tuple[AttainableSet, AttainableSet] | None:
+    """What a scenario's vehicle can do while healthy, and when its faults leave it least.
+
+    Limits are the truth's. Spare actuators count when the scenario has a detector that could enable them; what a faulty
+    actuator delivers by itself (bias, stuck output) moves the set.
+
+    Returns
+    -------
+    tuple or None
+        The healthy set, and of all that the faults leave over time the one with least torque in every direction;
+        None where a limit is infinite.
+    """
+    D, lo, up = _actuators(scenario)
+    if not (np.all(np.isfinite(lo)) and np.all(np.isfinite(up))):
+        return None
+    n = D.shape[1]
+    healthy = attainable_set(D, up, lo)
+    passed = faults_alone(scenario, ["truth.effectiveness", "truth.bias"])
+    states = np.unique(np.hstack([passed["truth.effectiveness"], passed["truth.bias"]]), axis=0)
+    states = states[:: max(1, len(states) // 500)]  # a slow fade has thousands
+    sets = [attainable_set(D, up, lo, row[:n]).moved(D @ row[n:]) for row in states]
+    return healthy, min(sets, key=lambda s: s.in_every_direction)
+
+
+def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
+    """Axes (3, n) and limits (n,) that really fly; spares that nobody enables have none."""
+    plain = scenario.resolve()
+    truth = plain.get("truth", {})
+    D = np.asarray(plain["vehicle"]["D_B"], float)
+    if truth.get("dD_B") is not None:
+        D = D + np.asarray(truth["dD_B"], float)
+
+    def limit(name: str, default: Floats) -> Floats:
+        value = truth.get(name, plain["vehicle"].get(name))
+        return default if value is None else np.broadcast_to(np.asarray(value, float), D.shape[1]).copy()
+
+    up = limit("u_max", np.full(D.shape[1], np.inf))
+    lo = limit("u_min", -up)
+    if plain["detector"]["type"] == "none":
+        off = list(plain["vehicle"].get("spare", []))
+        up[off] = lo[off] = 0.0
+    return D, lo, up
+
+
+def torque_findings(
+    scenario: Scenario,
+    torque_B: Sequence[float] | None = None,
+    *,
+    fly: bool = False,
+) -> list[Finding]:
+    """Hold torques against what the actuators can give, healthy and when the faults leave them least.
+
+    Parameters
+    ----------
+    scenario
+        Vehicle, limits and faults. It needs some torque in every direction to be feasible.
+    torque_B
+        (3,) N m, a demand; it must be within reach after the faults.
+    fly
+        Fly the scenario too, and hold the torque that its controller asks for against what the faults have left at
+        that sample.
+
+    Returns
+    -------
+    list of Finding
+        Empty where a limit is infinite: everything is within reach.
+    """
+    sets = attainable_after_faults(scenario)
+    if sets is None:
+        return []
+    healthy, left = sets
+    least, once = left.in_every_direction, healthy.in_every_direction
+    nothing = 1e-12 * once  # what rounding leaves of a flat set
+    now = (
+        f"{least:.3g} N m in every direction"
+        if least > nothing
+        else "no torque in some direction"
+        if least >= -nothing
+        else f"some direction falls short of zero by {-least:.3g} N m"
+    )
+    text = f"after the faults {now}, healthy {once:.3g} N m"
+    found = [Finding("torque", "every direction", text, least > nothing, least, 0.0)]
+    if torque_B is not None:
+        found.append(_demand(healthy, left, np.asarray(torque_B, float)))
+    if fly:
+        found.append(_flown(scenario))
+    return found
+
+
+def _demand(healthy: AttainableSet, left: AttainableSet, torque_B: Floats) -> Finding:
+    size = float(np.linalg.norm(torque_B))
+    reach, once = (float(np.nan_to_num(s.radius(torque_B))) for s in (left, healthy))
+    text = f"{size:.3g} N m along ({', '.join(f'{x:g}' for x in torque_B)}): after the faults {reach:.3g} N m"
+    return Finding("torque", "demand", f"{text}, healthy {once:.3g} N m", bool(left.contains(torque_B)), size, reach)
+
+
+def _flown(scenario: Scenario) -> Finding:
+    """The largest shortfall of the demand against the set of its own sample, and how often there is one."""
+    D, lo, up = _actuators(scenario)
+    n = D.shape[1]
+    names = ["demand.tau_B", "truth.effectiveness", "truth.bias"]
+    flown = scenario.run(channels=names)
+    state = np.hstack([flown["truth.effectiveness"], flown["truth.bias"]])
+    rows, which = np.unique(state, axis=0, return_inverse=True)
+    short = np.zeros(len(flown))
+    if len(rows) > 2000:  # effectiveness that varies without end: to 1e-3 it does not
+        rows, which = np.unique(np.round(state, 3), axis=0, return_inverse=True)
+    for k, row in enumerate(rows):
+        left = attainable_set(D, up, lo, row[:n]).moved(D @ row[n:])
+        at = which.ravel() == k
+        beyond = (flown["demand.tau_B"][at] - left.centre) @ left.normals.T - left.heights
+        short[at] = np.maximum(beyond.max(axis=1), 0.0)
+    worst = int(np.argmax(short))
+    share = float(np.mean(short > 1e-9))
+    text = (
+        f"flown: the demand is out of reach in {100 * share:.3g} % of the samples, "
+        f"by {short[worst]:.3g} N m at most (t = {flown.t[worst]:.4g} s)"
+        if share > 0.0
+        else "flown: the demand is within reach in every sample"
+    )
+    return Finding("torque", "flight", text, None, share)
