@@ -8,11 +8,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT := out/report
 STEP := scripts/step
+FUZZ_SECONDS := 60
 CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.hpp' -o -name '*.cpp')
 PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy format stubs clean debian-run debian-test debian-bench
+.PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy fuzz format stubs clean debian-run debian-test \
+        debian-bench debian-fuzz
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -61,6 +63,12 @@ bench: debian-bench  ## benchmarks; each prints its table
 	@$(STEP) build-bench cmake --build --preset bench
 	@for b in build/bench/benchmarks/bench_*; do [ -x $$b ] && [ -f $$b ] && echo "== $${b##*/}" && $$b; done
 
+fuzz: debian-fuzz  ## a minute of coverage-guided fuzzing of every stack, under the sanitizers; FUZZ_SECONDS=600 for longer
+	@$(STEP) configure-fuzz cmake --preset fuzz
+	@$(STEP) build-fuzz cmake --build --preset fuzz
+	@mkdir -p build/fuzz/corpus
+	@$(STEP) fuzz env -C build/fuzz tests/fuzz/fuzz_stack -max_total_time=$(FUZZ_SECONDS) -max_len=4096 -jobs=2 -workers=2 corpus
+
 headers: debian-test  ## every header compiled alone (a minute and a half; make test checks the layers' include roots)
 	@$(STEP) configure-release cmake --preset release
 	@$(STEP) headers-alone cmake --build --preset release --target all_verify_interface_header_sets
@@ -80,6 +88,9 @@ debian-run:
 
 debian-test:
 	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev libgtest-dev libgmock-dev
+
+debian-fuzz: debian-run
+	@scripts/debian_packages clang libomp-dev
 
 debian-bench: debian-test
 	@scripts/debian_packages libbenchmark-dev

@@ -67,6 +67,49 @@ TYPED_TEST(Embedded, NoAllocationFromConstructionOn) {
   EXPECT_TRUE(finite);
 }
 
+/// NaN, infinite, huge, tiny and zero numbers in every field: the command stays finite and inside its limits, and the flags
+/// of a spoilt input are gone with the first sane ones.
+TYPED_TEST(Embedded, CommandsStayInsideTheirLimitsWhateverComesIn) {
+  using S = TypeParam;
+  using Limits = std::numeric_limits<S>;
+  const S spoils[] = {Limits::quiet_NaN(),
+                      Limits::infinity(),
+                      -Limits::infinity(),
+                      Limits::max(),
+                      -Limits::max(),
+                      Limits::min(),
+                      Limits::denorm_min(),
+                      S(0),
+                      S(1e6)};
+  const gyrostat::Setup<S> setup = ftc_4rw<S>();
+  for_every_stack<S>(setup, [&](auto stack) {
+    Tick k = 0;
+    const auto inside = [&](const Measurement<S>& y, const Reference<S>& ref) {
+      const VecN<S>& u = stack.step(y, ref).u;
+      return u.allFinite() && (u.array() >= setup.vehicle.u_lo.array()).all() &&
+             (u.array() <= setup.vehicle.u_up.array()).all();
+    };
+    for (const S spoil : spoils) {
+      for (int field = 0; field < 6; ++field) {
+        Measurement<S> y = wobble<S>(++k, 4);
+        Reference<S> ref;
+        if (field == 0) y.omega_BN_B[1] = spoil;
+        if (field == 1) y.q_NB.coeffs().setConstant(spoil);
+        if (field == 2) y.h_w[3] = spoil;
+        if (field == 3) ref.omega_RN_R[0] = spoil;
+        if (field == 4) ref.omegadot_RN_R[2] = spoil;
+        if (field == 5) ref.q_NR.coeffs().setConstant(spoil);
+        EXPECT_TRUE(inside(y, ref)) << "field " << field << " = " << spoil;
+        EXPECT_EQ(stack.last().status.has(Flag::input_held), !std::isfinite(spoil)) << field << ", " << spoil;
+        for (int n = 0; n < 3; ++n)
+          EXPECT_TRUE(inside(wobble<S>(++k, 4), {})) << "after field " << field << " = " << spoil;
+        EXPECT_FALSE(stack.last().status.has(Flag::input_held));
+        EXPECT_FALSE(stack.last().status.has(Flag::component_reset)) << "after field " << field << " = " << spoil;
+      }
+    }
+  });
+}
+
 TYPED_TEST(Embedded, TelemetryAllocatesNothingEither) {
   using S = TypeParam;
   for_every_stack<S>(ftc_4rw<S>(), [](auto stack) {

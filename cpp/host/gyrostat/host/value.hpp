@@ -22,7 +22,7 @@ class Table {
   const Value* find(const std::string& key) const noexcept;
   void set(std::string key, Value value);
   const std::vector<std::pair<std::string, Value>>& entries() const noexcept { return entries_; }
-  bool empty() const noexcept { return entries_.empty(); }
+  bool empty() const noexcept;
 
  private:
   std::vector<std::pair<std::string, Value>> entries_;
@@ -56,6 +56,8 @@ class Value {
  private:
   std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Table> data_;
 };
+
+inline bool Table::empty() const noexcept { return entries_.empty(); }  // here, where Value is complete
 
 /// Shortest usual form of a number: 0.25, 1e-09, inf.
 std::string number_text(double x);
