@@ -367,6 +367,7 @@ def test_flown_scenarios_say_when_their_demand_is_out_of_reach() -> None:
     closest = allocation.solve(
         PYRAMID, run["demand.tau_B"], up=0.002, effectiveness=run["truth.effectiveness"], effectiveness_min=0.0
     )
+    # Both hold it to 1e-9 N m, one across the nearest face, one to the nearest torque: they may differ at the edge.
     assert flown.value == pytest.approx(np.mean(closest.residual_norm > 1e-9), abs=1e-3)
     assert 0.0 < flown.value < 1.0
 

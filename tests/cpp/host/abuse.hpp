@@ -97,7 +97,6 @@ struct Outcome {
   long reset = 0;         ///< samples with Flag::component_reset
   long slowest = 0;       ///< samples from the last spoilt input until normal for good, the worst episode
   long unrecovered = 0;   ///< episodes that did not get there in `patience` samples
-  unsigned flags = 0;     ///< every flag that was seen
   Spoil slowest_after{};  ///< what the slowest episode had been spoilt with
 };
 
@@ -147,7 +146,6 @@ inline Outcome abuse(const host::Table& scenario, bool regulates, long samples, 
         break;
       }
     }
-    out.flags |= last.status.bits();
     out.held += last.status.has(Flag::input_held);
     out.reset += last.status.has(Flag::component_reset);
     plant.advance(last.u);
