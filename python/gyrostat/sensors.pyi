@@ -41,3 +41,54 @@ def Attitude(
     delay
         age of what is measured; samples; [0, 1000]; default 0
     """
+
+def RateBias(
+    *,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+    bias: float | Vector | None = ...,
+) -> Component:
+    """The sensor 'rate_bias'.
+
+    Parameters
+    ----------
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    bias
+        added to each axis; rad/s; [-100, 100]; default [0.0, 0.0, 0.0]
+    """
+
+def RateFreeze(
+    *,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+) -> Component:
+    """The sensor 'rate_freeze'.
+
+    Parameters
+    ----------
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    """
+
+def RateScale(
+    *,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+    scale: float | Vector | None = ...,
+) -> Component:
+    """The sensor 'rate_scale'.
+
+    Parameters
+    ----------
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    scale
+        factor of each axis; 1 is healthy; [-1000, 1000]; default [1.0, 1.0, 1.0]
+    """

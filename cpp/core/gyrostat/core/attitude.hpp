@@ -172,6 +172,12 @@ Mat3<S> euler_rate_matrix_rate(const Vec3<S>& angles, const Vec3<S>& rates) noex
   return E;
 }
 
+/// The angle less full turns, in [-pi, pi].
+template <class S>
+S wrapped(S angle) noexcept {
+  return std::remainder(angle, S(6.28318530717958647693));
+}
+
 /// Euler rates of a body rate: E^-1 omega. Infinite at pitch +-pi/2.
 template <class S>
 Vec3<S> euler_rates(const Vec3<S>& angles, const Vec3<S>& omega_BN_B) noexcept {

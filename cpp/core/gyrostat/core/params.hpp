@@ -77,6 +77,16 @@ typename Component::Params default_params(const Setup<S>& setup) noexcept {
   }
 }
 
+/// What a component says of parameters; ok where it has nothing to check.
+template <class Component, class S>
+Status<S> component_check(const Setup<S>& setup, const typename Component::Params& params) noexcept {
+  if constexpr (requires { Component::check(setup, params); }) {
+    return Component::check(setup, params);
+  } else {
+    return {};
+  }
+}
+
 /// Name of a counter in telemetry: its increments become dated events of the result.
 struct Counter {
   const char* name;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gyrostat/core/attitude.hpp"
+
 namespace gyrostat::truth {
 namespace {
 
@@ -85,8 +87,14 @@ Plant::Plant(PlantModel model, const InitialState& initial, double dt)
   }
 
   const Vec3<double> H_B = body_.J_B * initial.omega_BN_B + torque<double>(body_.D_B, stored_);
-  const Quat<double> q = initial.q_NB.normalized();
-  y_ = {q.w(), q.x(), q.y(), q.z(), H_B[0], H_B[1], H_B[2]};
+  if (model.coordinates == Coordinates::euler_angles) {
+    refuse_if(!initial.euler.allFinite(), "plant: the initial Euler angles must be finite");
+    euler_body_.emplace(body_, model.orbit_rate);
+    y_ = {initial.euler[0], initial.euler[1], initial.euler[2], 0, H_B[0], H_B[1], H_B[2]};
+  } else {
+    const Quat<double> q = initial.q_NB.normalized();
+    y_ = {q.w(), q.x(), q.y(), q.z(), H_B[0], H_B[1], H_B[2]};
+  }
 
   if (const auto* cvode = std::get_if<Cvode>(&model.integrator)) {
     cvode_.emplace(*cvode, body_.states());
@@ -292,33 +300,40 @@ void Plant::take_up_storage(double length) noexcept {
 
 void Plant::integrate(double t1) {
   const bool friction = !body_.friction_wheels.empty();
-  if (friction) {
-    external_.varies() ? integrate_as<true, true>(t1) : integrate_as<true, false>(t1);
+  if (euler_body_) {
+    const EulerMotion m{*euler_body_, motion()};
+    external_.varies() ? integrate_as<Body::rigid_states, euler_derivative<true>, false>(m, t1)
+                       : integrate_as<Body::rigid_states, euler_derivative<false>, false>(m, t1);
+  } else if (friction) {
+    external_.varies() ? integrate_rigid<true, true>(t1) : integrate_rigid<true, false>(t1);
   } else {
-    external_.varies() ? integrate_as<false, true>(t1) : integrate_as<false, false>(t1);
+    external_.varies() ? integrate_rigid<false, true>(t1) : integrate_rigid<false, false>(t1);
   }
 }
 
 template <bool friction, bool varying>
-void Plant::integrate_as(double t1) {
-  const Motion m = motion();
+void Plant::integrate_rigid(double t1) {
+  constexpr int capacity = friction ? Body::rigid_states + max_actuators : Body::rigid_states;
+  integrate_as<capacity, derivative<friction, varying>, true>(motion(), t1);
+}
+
+template <int capacity, auto derivative, bool unit_quaternion, class Context>
+void Plant::integrate_as(const Context& m, double t1) {
   if (cvode_) {
     if (restart_) cvode_->restart(t_, y_.data());
     restart_ = false;
     const Rhs rhs = [](double t, const double* y, double* ydot, const void* context) noexcept {
-      derivative<friction, varying>(*static_cast<const Motion*>(context), t, y, ydot);
+      derivative(*static_cast<const Context*>(context), t, y, ydot);
     };
     cvode_->advance(rhs, &m, t1, y_.data());
     return;
   }
-  constexpr int capacity = friction ? Body::rigid_states + max_actuators : Body::rigid_states;
-  const auto rhs = [&m](double t, const double* y, double* ydot) noexcept {
-    derivative<friction, varying>(m, t, y, ydot);
-  };
+  const auto rhs = [&m](double t, const double* y, double* ydot) noexcept { derivative(m, t, y, ydot); };
   const double steps = std::max(1.0, std::ceil((t1 - t_) / dt_ * rk4_substeps_ - 1e-6));
   const double h = (t1 - t_) / steps;
   for (double k = 0; k < steps; ++k) {
     rk4_step<capacity>(rhs, t_ + k * h, h, y_.data(), body_.states());
+    if constexpr (!unit_quaternion) continue;
     const double shrink = 1 / std::sqrt(y_[0] * y_[0] + y_[1] * y_[1] + y_[2] * y_[2] + y_[3] * y_[3]);
     for (std::size_t i = 0; i < 4; ++i) y_[i] *= shrink;
   }
@@ -350,7 +365,8 @@ double Plant::friction(int i) const noexcept {
 }
 
 void Plant::publish() {
-  q_NB_ = Quat<double>(y_[0], y_[1], y_[2], y_[3]).normalized();
+  q_NB_ = euler_body_ ? quat_from_euler<double>({y_[0], y_[1], y_[2]})
+                      : Quat<double>(y_[0], y_[1], y_[2], y_[3]).normalized();
   Vec3<double> Jw{y_[4], y_[5], y_[6]};
   for (int i = 0; i < actuators_.size(); ++i) {
     const double h = momentum(i);
@@ -358,6 +374,12 @@ void Plant::publish() {
     if (actuators_.actuators().is_wheel(i)) h_w_[i] = h;
   }
   omega_BN_B_ = body_.J_B_inverse * Jw;
+}
+
+EulerState<double> Plant::euler() const noexcept {
+  if (euler_body_) return {{y_[0], y_[1], y_[2]}, omega_BN_B_};
+  const Vec3<double> angles = gyrostat::euler(q_NB_);
+  return {angles, euler_rates(angles, omega_BN_B_)};
 }
 
 TruthSample Plant::sample() const {
@@ -376,6 +398,11 @@ TruthSample Plant::sample() const {
     s.delivered[i] = (at_limit_.test(i) ? 0.0 : actuators_.delivered(i, t_)) + friction(i);
   }
   s.external_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
+  if (euler_body_) {
+    const Vec3<double> moment = torque<double>(body_.D_B, s.delivered) + s.external_B;
+    s.omegadot_BN_B = euler_body_->acceleration(euler().angles, omega_BN_B_) + body_.J_B_inverse * moment;
+    return s;
+  }
   const Vec3<double> rotating = body_.J_B * omega_BN_B_ + torque<double>(body_.D_B, h_w_);
   const Vec3<double> moment = torque<double>(body_.D_B, s.delivered) + s.external_B - omega_BN_B_.cross(rotating);
   s.omegadot_BN_B = body_.J_B_inverse * moment;

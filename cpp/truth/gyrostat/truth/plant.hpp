@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "gyrostat/truth/body.hpp"
+#include "gyrostat/truth/euler_body.hpp"
 #include "gyrostat/truth/integrator.hpp"
 
 namespace gyrostat::truth {
@@ -19,14 +19,16 @@ struct PlantModel {
   Actuators actuators = Actuators::ideal(0);
   std::vector<Fault> faults;
   std::vector<Disturbance> disturbances;
-  double orbit_rate = 0;  ///< rad/s, for gravity_gradient
+  double orbit_rate = 0;                        ///< rad/s, for gravity_gradient and the Euler-angle model
+  Coordinates coordinates = Coordinates::body;  ///< euler_angles: euler_body.hpp flies, omega_BN_B are Euler rates
   Integrator integrator;
 };
 
 struct InitialState {
   Quat<double> q_NB = Quat<double>::Identity();    ///< normalised on entry
   Vec3<double> omega_BN_B = Vec3<double>::Zero();  ///< rad/s
-  VecN<double> h_w;  ///< N m s, Js (Omega_i + g_i . w), zero for torquers; empty: all zero
+  VecN<double> h_w;                           ///< N m s, Js (Omega_i + g_i . w), zero for torquers; empty: all zero
+  Vec3<double> euler = Vec3<double>::Zero();  ///< rad, roll, pitch, yaw; read by the Euler-angle model, instead of q_NB
 };
 
 /// The truth at one time, one-sided: faults and command are those of the interval that just ended. Before the first
@@ -67,6 +69,10 @@ class Plant {
   const Quat<double>& q_NB() const noexcept { return q_NB_; }  ///< unit, sign continuous
   const Vec3<double>& omega_BN_B() const noexcept { return omega_BN_B_; }
   const VecN<double>& h_w() const noexcept { return h_w_; }  ///< zero for torquers
+  /// The Euler-angle model flies: its state are the angles, which are not confined to a range.
+  bool flies_euler() const noexcept { return euler_body_.has_value(); }
+  /// Roll, pitch, yaw and their rates.
+  EulerState<double> euler() const noexcept;
 
   TruthSample sample() const;
   IntegratorStatistics statistics() const;
@@ -83,7 +89,9 @@ class Plant {
   void set_exchange(double t1) noexcept;
   void integrate(double t1);
   template <bool friction, bool varying>
-  void integrate_as(double t1);
+  void integrate_rigid(double t1);
+  template <int capacity, auto derivative, bool unit_quaternion, class Context>
+  void integrate_as(const Context& context, double t1);
   void absorb_torquer_impulse() noexcept;
   void take_up_storage(double length) noexcept;
   void publish();
@@ -92,6 +100,7 @@ class Plant {
   Motion motion() const noexcept { return {body_, external_, exchange_}; }
 
   Body body_;
+  std::optional<EulerBody> euler_body_;
   FaultyActuators actuators_;
   Disturbances external_;
   double dt_;

@@ -40,10 +40,11 @@ const T& Sensors::DelayLine<T>::through(const T& now) {
   return values_[next_];  // the oldest
 }
 
-Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler)
-    : seed_(seed), run_(run), euler_(euler) {
+Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler, double dt)
+    : seed_(seed), run_(run), euler_(euler), dt_(dt) {
   bool has_gyro = false, has_attitude = false;
   for (const Sensor& sensor : sensors) {
+    if (take_fault(sensor)) continue;
     bool& seen = std::holds_alternative<Gyro>(sensor) ? has_gyro : has_attitude;
     if (seen) throw std::invalid_argument("sensors: one gyro and one attitude sensor at most");
     seen = true;
@@ -54,6 +55,57 @@ Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::ui
   check_range(AttitudeSensor::name, attitude_.noise, attitude_.quantisation, attitude_.delay);
   rates_ = DelayLine<Vec3<double>>(gyro_.delay);
   attitudes_ = DelayLine<Quat<double>>(attitude_.delay);
+  angles_ = DelayLine<Vec3<double>>(attitude_.delay);
+}
+
+bool Sensors::take_fault(const Sensor& sensor) {
+  const auto take = [&](const auto& fault, auto& list) {
+    const std::string who = "sensor " + std::string(fault.name) + ": ";
+    if (!(fault.t_on >= 0) || !(fault.t_off > fault.t_on))
+      throw std::invalid_argument(who + "t_off must be after t_on");
+    if (!(dt_ > 0)) throw std::invalid_argument(who + "needs the sample period");
+    list.push_back(fault);
+    return true;
+  };
+  if (const auto* bias = std::get_if<RateBias>(&sensor)) return take(*bias, biases_);
+  if (const auto* freeze = std::get_if<RateFreeze>(&sensor)) return take(*freeze, freezes_);
+  if (const auto* scale = std::get_if<RateScale>(&sensor)) return take(*scale, scales_);
+  return false;
+}
+
+/// An onset or end within 1e-9 s of a sample happens at it. A freeze from the first sample on shows the first value.
+void Sensors::apply_faults(double t, Vec3<double>& rate) {
+  const auto active = [t](const auto& fault) { return t >= fault.t_on - 1e-9 && t < fault.t_off - 1e-9; };
+  for (const RateScale& fault : scales_) {
+    if (active(fault)) rate = rate.cwiseProduct(fault.scale).eval();
+  }
+  for (const RateBias& fault : biases_) {
+    if (active(fault)) rate += fault.bias;
+  }
+  for (const RateFreeze& fault : freezes_) {
+    if (active(fault) && t > 0) rate = shown_;
+  }
+  shown_ = rate;
+}
+
+Vec3<double> Sensors::measured_rate(Tick tick, const Vec3<double>& omega_BN_B) {
+  Vec3<double> rate = rates_.through(omega_BN_B) + gyro_.bias;
+  if (gyro_.noise > 0) rate += gyro_.noise * standard_normals(seed_, run_, gyro_stream, tick);
+  for (double& element : rate) element = quantised(element, gyro_.quantisation);
+  apply_faults(static_cast<double>(tick) * dt_, rate);
+  return rate;
+}
+
+Measurement<double> Sensors::measure(Tick tick, const EulerState<double>& truth, const VecN<double>& h_w) {
+  Measurement<double> y;
+  y.tick = tick;
+  y.h_w = h_w;
+  y.omega_BN_B = y.euler.rates = measured_rate(tick, truth.rates);
+  y.euler.angles = angles_.through(truth.angles);
+  if (attitude_.noise > 0) y.euler.angles += attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
+  for (double& angle : y.euler.angles) angle = quantised(angle, attitude_.quantisation);
+  y.q_NB = quat_from_euler(y.euler.angles);
+  return y;
 }
 
 Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
@@ -62,9 +114,7 @@ Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const 
   y.tick = tick;
   y.h_w = h_w;
 
-  y.omega_BN_B = rates_.through(omega_BN_B) + gyro_.bias;
-  if (gyro_.noise > 0) y.omega_BN_B += gyro_.noise * standard_normals(seed_, run_, gyro_stream, tick);
-  for (double& rate : y.omega_BN_B) rate = quantised(rate, gyro_.quantisation);
+  y.omega_BN_B = measured_rate(tick, omega_BN_B);
 
   y.q_NB = attitudes_.through(q_NB);
   if (attitude_.noise > 0) {

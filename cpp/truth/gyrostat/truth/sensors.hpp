@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// @file  Sensors: gyro and attitude sensor with delay, bias, noise and quantisation, applied in that order.
+/// @file  Sensors: gyro and attitude sensor with delay, bias, noise and quantisation, applied in that order; faults.
 ///
 /// Noise is counter-based (Philox, keyed by seed and run; the counter is tick and stream): each number depends on its
 /// own (seed, run, stream, tick) alone, whoever else draws and in whatever order.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <variant>
 #include <vector>
 
@@ -42,7 +43,48 @@ struct AttitudeSensor {
   }
 };
 
-using Sensor = std::variant<Gyro, AttitudeSensor>;
+namespace detail {
+/// What all sensor faults have: from when, until when (t_on <= t < t_off).
+constexpr void describe_onset(auto& p, auto&& field) {
+  field(p.t_on, Field{"t_on", "s", 0, std::numeric_limits<double>::infinity(), "onset"});
+  field(p.t_off, Field{"t_off", "s", 0, std::numeric_limits<double>::infinity(), "end; infinity: permanent"});
+}
+}  // namespace detail
+
+/// Fault of the rate sensor: a constant is added to what it shows.
+struct RateBias {
+  static constexpr const char* name = "rate_bias";
+  double t_on = 0, t_off = std::numeric_limits<double>::infinity();
+  Vec3<double> bias = Vec3<double>::Zero();
+
+  static constexpr void describe(auto& p, auto&& field) {
+    detail::describe_onset(p, field);
+    field(p.bias, Field{"bias", "rad/s", -1e2, 1e2, "added to each axis"});
+  }
+};
+
+/// Fault of the rate sensor: it goes on showing what it showed last, in every axis.
+struct RateFreeze {
+  static constexpr const char* name = "rate_freeze";
+  double t_on = 0, t_off = std::numeric_limits<double>::infinity();
+
+  static constexpr void describe(auto& p, auto&& field) { detail::describe_onset(p, field); }
+};
+
+/// Fault of the rate sensor: what it shows is multiplied.
+struct RateScale {
+  static constexpr const char* name = "rate_scale";
+  double t_on = 0, t_off = std::numeric_limits<double>::infinity();
+  Vec3<double> scale = Vec3<double>::Ones();
+
+  static constexpr void describe(auto& p, auto&& field) {
+    detail::describe_onset(p, field);
+    field(p.scale, Field{"scale", "", -1e3, 1e3, "factor of each axis; 1 is healthy"});
+  }
+};
+
+/// Sensors, one of a kind, and faults of the rate sensor, any number. Scale acts first, then bias, then freeze.
+using Sensor = std::variant<Gyro, AttitudeSensor, RateBias, RateFreeze, RateScale>;
 
 /// Three standard normal numbers of a stream at a tick.
 Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std::uint64_t stream, Tick tick) noexcept;
@@ -51,14 +93,19 @@ class Sensors {
  public:
   /// A kind that is not in `sensors` is perfect.
   /// @param euler  fill Measurement::euler too (3-2-1 angles and rates of what was measured)
+  /// @param dt  sample period, s, of which faults count their onset
   /// @throws std::invalid_argument for two of a kind, or parameters out of range
-  Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler = false);
+  Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler = false, double dt = 0);
 
   /// To be called once a sample, in order: delays count calls. Until a delay has filled, the first values are given.
   Measurement<double> measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
                               const VecN<double>& h_w);
+  /// The same on the Euler-angle model: the gyro shows the Euler rates, the attitude sensor's error adds to the angles.
+  Measurement<double> measure(Tick tick, const EulerState<double>& euler, const VecN<double>& h_w);
 
  private:
+  Vec3<double> measured_rate(Tick tick, const Vec3<double>& omega_BN_B);
+
   /// The last `delay` + 1 values.
   template <class T>
   class DelayLine {
@@ -72,12 +119,21 @@ class Sensors {
     bool filled_ = false;
   };
 
+  bool take_fault(const Sensor& sensor);
+  void apply_faults(double t, Vec3<double>& rate);
+
   Gyro gyro_;
   AttitudeSensor attitude_;
   std::uint64_t seed_, run_;
   bool euler_;
+  double dt_;
+  std::vector<RateScale> scales_;
+  std::vector<RateBias> biases_;
+  std::vector<RateFreeze> freezes_;
+  Vec3<double> shown_ = Vec3<double>::Zero();  ///< rad/s, by the rate sensor at the sample before
   DelayLine<Vec3<double>> rates_{0};
   DelayLine<Quat<double>> attitudes_{0};
+  DelayLine<Vec3<double>> angles_{0};
 };
 
 }  // namespace gyrostat::truth
