@@ -3,11 +3,12 @@
 ///
 ///   u = clip(u_pref + A+ (tau - A u_pref)),   A+ = A'(A A')^-1,   A = D diag(effectiveness) or D
 ///
-/// Columns of actuators that are failed, not enabled or weaker than e_min are zero. Page: docs/components/pseudo_inverse.md
+/// An estimate whose bound is infinite may be refused (`unknown`). Columns of actuators that are failed, not enabled or weaker than e_min are zero. Page: docs/components/pseudo_inverse.md
 #pragma once
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
@@ -24,17 +25,23 @@ class PseudoInverse {
   static constexpr const char* name = "pseudo_inverse";
   static constexpr bool axiswise = true;
 
+  enum class Unknown : std::uint8_t { estimate, nominal };
+
   struct Params {
     /// True, because the model all components share has D diag(effectiveness) u in it: an observer that estimates it has
     /// taken that share out of d_B, and nobody else would make up for it. Without such an observer it is all ones.
     bool use_effectiveness = true;
     S e_min = S(0.05);
     S rank_tolerance = S(0.01);
+    /// What an infinite effectiveness_bound (never excited, or forgotten) does to the estimate beside it.
+    Unknown unknown = Unknown::estimate;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.use_effectiveness, Switch{"use_effectiveness", "invert D diag(effectiveness) instead of D"});
       field(p.e_min, Field{"e_min", "", 0, 1, "weaker actuators are not used (with use_effectiveness)"});
       field(p.rank_tolerance, Field{"rank_tolerance", "", 1e-6, 0.5, "relative singular value that counts as zero"});
+      field(p.unknown, Choice{"unknown", "estimate|nominal",
+                              "effectiveness of infinite bound: as estimated, or 1 (not divided by)"});
     }
   };
 
@@ -76,16 +83,26 @@ class PseudoInverse {
   /// A and its inverse change only with the masks and, where it is used, the effectiveness.
   void update_inverse(const Estimate<S>& x, const Detection<S>& det) noexcept {
     const Mask usable = det.enabled.without(det.failed);
-    if (known_ && usable == usable_ && (!params_.use_effectiveness || x.effectiveness == effectiveness_)) return;
+    if (known_ && usable == usable_ && (!params_.use_effectiveness || believed(x) == effectiveness_)) return;
     known_ = true;
     usable_ = usable;
-    effectiveness_ = x.effectiveness;
+    effectiveness_ = believed(x);
     A_ = vehicle_.D_B;
     for (int i = 0; i < vehicle_.actuators(); ++i) {
       const S e = params_.use_effectiveness ? effectiveness_[i] : S(1);
       A_.col(i) *= usable.test(i) && e >= params_.e_min ? e : S(0);
     }
     invert();
+  }
+
+  /// An estimate without a bound is no reason to ask for more: it counts as healthy with Unknown::nominal.
+  VecN<S> believed(const Estimate<S>& x) const noexcept {
+    VecN<S> e = x.effectiveness;
+    if (params_.unknown == Unknown::nominal) {
+      for (int i = 0; i < e.size(); ++i)
+        if (!std::isfinite(x.effectiveness_bound[i])) e[i] = S(1);
+    }
+    return e;
   }
 
   void invert() noexcept {

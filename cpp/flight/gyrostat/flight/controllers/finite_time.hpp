@@ -23,9 +23,11 @@ class FiniteTime {
     return needs_body_coordinates(setup) && NominalLaw<S>::check(setup, p);
   }
 
-  FiniteTime(const Setup<S>& setup, const Params& params) noexcept : vehicle_(setup.vehicle), nominal_(params) {}
+  FiniteTime(const Setup<S>& setup, const Params& params) noexcept
+      : vehicle_(setup.vehicle), nominal_(params), set_(params.shadow_switch) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    set_.start();
     return demand(x, ref);
   }
   [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
@@ -37,7 +39,7 @@ class FiniteTime {
 
  private:
   Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    u_nominal_ = nominal_(track(vehicle_, x, ref));
+    u_nominal_ = nominal_(track(vehicle_, x, ref, set_));
     Demand<S> out;
     out.tau_B = u_nominal_ - x.d_B;
     return out;
@@ -45,6 +47,7 @@ class FiniteTime {
 
   Vehicle<S> vehicle_;
   NominalLaw<S> nominal_;
+  ShadowSet<S> set_;
   Vec3<S> u_nominal_ = Vec3<S>::Zero();  ///< N m
 };
 

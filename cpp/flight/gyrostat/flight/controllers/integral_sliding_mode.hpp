@@ -100,10 +100,12 @@ class IntegralSlidingMode {
         params_(params),
         J_inv_(setup.vehicle.J_B.inverse()),
         nominal_(params.nominal),
+        set_(params.nominal.shadow_switch),
         gain_(params.gain_0) {}
 
   /// First sample: no interval has passed, s = 0.
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    set_.start();
     momentum_error_.setZero();
     s_.setZero();
     gain_ = params_.gain_0;
@@ -142,7 +144,7 @@ class IntegralSlidingMode {
 
   /// The gain moves after it has been used.
   Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    u_nominal_ = nominal_(track(vehicle_, x, ref));
+    u_nominal_ = nominal_(track(vehicle_, x, ref, set_));
     gain_used_ = gain_;
     Demand<S> out;
     out.tau_B = u_nominal_ - x.d_B - gain_.cwiseProduct(layer(s_, params_.width())) - params_.K3.cwiseProduct(s_) -
@@ -165,6 +167,7 @@ class IntegralSlidingMode {
   Params params_;
   Mat3<S> J_inv_;
   NominalLaw<S> nominal_;
+  ShadowSet<S> set_;
   Vec3<S> omega_ = Vec3<S>::Zero();           ///< rad/s, at the sample before
   Vec3<S> gyro_B_ = Vec3<S>::Zero();          ///< N m, w x (J w + D h_w) at the sample before
   Vec3<S> momentum_error_ = Vec3<S>::Zero();  ///< N m s, J P^-1 s

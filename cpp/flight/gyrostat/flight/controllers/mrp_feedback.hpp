@@ -25,15 +25,17 @@ class MrpFeedback {
     S K = S(1);
     S P = S(5);
     bool compensate = false;
+    S shadow_switch = S(1);
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.K, Field{"K", "N m", 1e-9, 1e9, "torque per MRP"});
       field(p.P, Field{"P", "N m s", 1e-9, 1e9, "torque per rate"});
       field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
+      field(p.shadow_switch, shadow_switch_field);
     }
     static Params defaults(const Setup<S>& setup) noexcept {
       const Stiffness<S> k = default_stiffness(setup);
-      return {k.k_sigma, k.k_omega, false};
+      return {k.k_sigma, k.k_omega, false, S(1)};
     }
   };
 
@@ -44,9 +46,11 @@ class MrpFeedback {
                                                                S(2) * J, "<", Status<S>::Code::unstable);
   }
 
-  MrpFeedback(const Setup<S>& setup, const Params& params) noexcept : vehicle_(setup.vehicle), params_(params) {}
+  MrpFeedback(const Setup<S>& setup, const Params& params) noexcept
+      : vehicle_(setup.vehicle), params_(params), set_(params.shadow_switch) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    set_.start();
     return demand(x, ref);
   }
   [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
@@ -57,8 +61,8 @@ class MrpFeedback {
   void telemetry(auto&&) const {}
 
  private:
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
-    const Tracking<S> error = track(vehicle_, x, ref);
+  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const Tracking<S> error = track(vehicle_, x, ref, set_);
     Demand<S> out;
     out.tau_B = error.feedforward_B - params_.K * error.sigma_BR - params_.P * error.omega_BR_B;
     if (params_.compensate) out.tau_B -= x.d_B;
@@ -67,6 +71,7 @@ class MrpFeedback {
 
   Vehicle<S> vehicle_;
   Params params_;
+  ShadowSet<S> set_;
 };
 
 }  // namespace gyrostat

@@ -21,11 +21,13 @@ class NominalLaw {
     S k1 = S(4.9);
     S k2 = S(3);
     S beta1 = S(0.9);
+    S shadow_switch = S(1);
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.k1, Field{"k1", "N m", 1e-9, 1e9, "gain of the attitude error"});
       field(p.k2, Field{"k2", "N m (rad/s)^-beta2", 1e-9, 1e9, "gain of the rate error"});
       field(p.beta1, Field{"beta1", "", 0.01, 1, "power of the attitude error"});
+      field(p.shadow_switch, shadow_switch_field);
     }
 
     /// The torques of the default stiffness, at an error of 45 deg and at a rate of one natural frequency.

@@ -27,12 +27,14 @@ class SaturatedPd {
     S kd = S(5);
     S ws = S(0.1);
     bool compensate = false;
+    S shadow_switch = S(1);
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.kp, Field{"kp", "N m", 1e-9, 1e9, "torque per MRP"});
       field(p.kd, Field{"kd", "N m s", 1e-9, 1e9, "torque per rate, near zero"});
       field(p.ws, Field{"ws", "rad/s", 1e-9, 1e3, "rate at which the damping saturates"});
       field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
+      field(p.shadow_switch, shadow_switch_field);
     }
 
     /// The default stiffness; the damping saturates at the torque that the attitude can ask for at most, kp.
@@ -53,9 +55,11 @@ class SaturatedPd {
                                                                S(2) * J, "<", Status<S>::Code::unstable);
   }
 
-  SaturatedPd(const Setup<S>& setup, const Params& params) noexcept : vehicle_(setup.vehicle), params_(params) {}
+  SaturatedPd(const Setup<S>& setup, const Params& params) noexcept
+      : vehicle_(setup.vehicle), params_(params), set_(params.shadow_switch) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    set_.start();
     return demand(x, ref);
   }
   [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
@@ -66,8 +70,8 @@ class SaturatedPd {
   void telemetry(auto&&) const {}
 
  private:
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
-    const Tracking<S> error = track(vehicle_, x, ref);
+  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const Tracking<S> error = track(vehicle_, x, ref, set_);
     Vec3<S> damping;
     for (int i = 0; i < 3; ++i) damping[i] = params_.kd * params_.ws * std::tanh(error.omega_BR_B[i] / params_.ws);
     Demand<S> out;
@@ -78,6 +82,7 @@ class SaturatedPd {
 
   Vehicle<S> vehicle_;
   Params params_;
+  ShadowSet<S> set_;
 };
 
 }  // namespace gyrostat

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// @file  Sliding surfaces of rate and quaternion error, and the torque that keeps the motion on them.
+///
+///   s = w_e + delta q + terminal sig^power(q)        (near zero a smooth core with a bounded slope)
+///
+/// Source: the linear part is Wang, Jia, Yu 2023, eq. (27) and (29). Page: docs/components/mixed_learning_sliding_mode.md
+#pragma once
+#include "gyrostat/core/params.hpp"
+#include "gyrostat/core/power.hpp"
+#include "gyrostat/flight/controllers/tracking.hpp"
+#include "gyrostat/flight/stiffness.hpp"
+
+namespace gyrostat {
+
+/// On s = 0 the scalar part grows, q0' = (delta |q|^2 + terminal q . sig^power(q)) / 2, so only q0 = 1 is stable; the error is
+/// taken the short way round.
+template <class S>
+class RateAttitudeSurface {
+ public:
+  struct Params {
+    S delta = S(0.1);
+    S terminal = S(0);
+    S power = S(0.7);
+    S core = S(0.01);
+  };
+  struct Value {
+    Vec3<S> s;             ///< rad/s
+    Vec3<S> equivalent_B;  ///< N m, makes J s' vanish without disturbance
+  };
+
+  explicit RateAttitudeSurface(const Params& p) noexcept : p_(p) {}
+
+  /// J s' = tau - equivalent + d.
+  Value operator()(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) const noexcept {
+    const Tracking<S> error = track(vehicle, x, ref);
+    const Vec3<S>& w = error.omega_BR_B;
+    const Quat<S> q_RB = quat_from_mrp(error.sigma_BR);
+    const Vec3<S> q = q_RB.vec();
+    const Vec3<S> qdot = S(0.5) * (q.cross(w) + q_RB.w() * w);
+    Vec3<S> s = w + p_.delta * q, sdot = p_.delta * qdot;
+    if (p_.terminal > S(0)) {
+      for (int i = 0; i < 3; ++i) {
+        s[i] += p_.terminal * sig_core(q[i], p_.power, p_.core);
+        sdot[i] += p_.terminal * sig_core_slope(q[i], p_.power, p_.core) * qdot[i];
+      }
+    }
+    const Vec3<S> momentum_B = vehicle.J_B * x.omega_BN_B + torque<S>(vehicle.D_B, x.h_w);
+    return {s, error.feedforward_B + w.cross(momentum_B) - vehicle.J_B * sdot};
+  }
+
+ private:
+  Params p_;
+};
+
+/// Scales of default sliding laws: a = usable torque, f = natural frequency of the default stiffness, J = largest inertia.
+template <class S>
+struct SlidingScales {
+  S delta;  ///< 1/s, 1.4 f: the attitude decays at 0.7 f
+  S k_lin;  ///< N m s, J f
+  S k_sgn;  ///< N m, a / 20
+  S width;  ///< rad/s, k_sgn / k_lin
+
+  explicit SlidingScales(const Setup<S>& setup) noexcept {
+    const S f = default_stiffness(setup).frequency;
+    delta = S(1.4) * f;
+    k_lin = largest_inertia(setup.vehicle.J_B) * f;
+    k_sgn = S(0.05) * usable_torque(setup.vehicle);
+    width = k_sgn / k_lin;
+  }
+};
+
+}  // namespace gyrostat
