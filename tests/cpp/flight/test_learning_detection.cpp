@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: MIT
+// Learning observers of effectiveness, the regression behind them, the threshold detector and its probe.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "closed_loop.hpp"
+#include "gyrostat/flight/detectors/threshold.hpp"
+#include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
+#include "gyrostat/flight/observers/iterative_learning.hpp"
+#include "telemetry_log.hpp"
+#include "vehicles.hpp"
+
+namespace gyrostat::test {
+namespace {
+
+template <class S>
+class LearningDetection : public ::testing::Test {};
+using Scalars = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(LearningDetection, Scalars);
+
+/// Three axes and a skew spare.
+template <class S>
+Setup<S> with_spare() {
+  Mat3<S> J;
+  J << S(43), S(0.3), S(1.2), S(0.3), S(52), S(-0.5), S(1.2), S(-0.5), S(40);
+  Mat3N<S> D(3, 4);
+  const S s = S(1) / std::sqrt(S(3));
+  D << S(1), S(0), S(0), s, S(0), S(1), S(0), s, S(0), S(0), S(1), s;
+  Setup<S> setup = vehicle_with<S>(J, D, S(0.25), S(0.01));
+  setup.vehicle.spare.set(3);
+  return setup;
+}
+
+template <class S>
+Allocation<S> issued(std::initializer_list<double> u) {
+  Allocation<S> a = Allocation<S>::idle(static_cast<int>(u.size()));
+  Eigen::Index i = 0;
+  for (const double x : u) a.u[i++] = static_cast<S>(x);
+  return a;
+}
+
+template <class S>
+Measurement<S> at_rest(int n = 4) {
+  Measurement<S> y;
+  y.h_w = VecN<S>::Zero(n);
+  return y;
+}
+
+/// Largest |state| of the recursion that the stability test is about, run from a unit error for many samples.
+double grown(double a, double h, double k3, double k4, double k5, int L, int samples) {
+  std::vector<double> w(static_cast<std::size_t>(samples + L + 1), 0.0), g(w);
+  const auto at = [&](int k) { return static_cast<std::size_t>(k + L); };
+  g[at(0)] = 1;
+  double largest = 0;
+  for (int k = 0; k < samples; ++k) {
+    w[at(k + 1)] = a * w[at(k)] + h * g[at(k)];
+    g[at(k + 1)] = k3 * g[at(k + 1 - L)] - k4 * w[at(k + 1)] - k5 * w[at(k + 1 - L)];
+    if (k > samples - 100) largest = std::max({largest, std::abs(w[at(k)]) / h, std::abs(g[at(k)])});
+    if (!(std::abs(g[at(k + 1)]) < 1e9)) return 1e9;
+  }
+  return largest;
+}
+
+TEST(LearningLoop, TheStabilityTestAgreesWithTheRecursionItself) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const double h = 0.01;
+  int stable = 0, unstable = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const int L = 1 + trial % 6;
+    const double k1 = 250 * unit(random), k3 = 0.7 + 0.3 * unit(random), k4 = 150 * unit(random) * unit(random),
+                 k5 = 30 * unit(random);
+    const double end = grown(1 - h * k1, h, k3, k4, k5, L, 6000);
+    if (end > 1e-6 && end < 1e6) continue;  // a root so near the circle that 6000 samples do not tell
+    const bool is_stable = learning_loop_is_stable(h, k1, k3, k4, k5, L);
+    EXPECT_EQ(is_stable, end < 1) << "k1 " << k1 << " k3 " << k3 << " k4 " << k4 << " k5 " << k5 << " L " << L;
+    (is_stable ? stable : unstable) += 1;
+  }
+  EXPECT_GT(stable, 300);
+  EXPECT_GT(unstable, 300);
+}
+
+TYPED_TEST(LearningDetection, ARegressionOnOneColumnIsTheQuotient) {
+  using S = TypeParam;
+  const gyrostat::Setup<S> setup = with_spare<S>();
+  const Allocation<S> last = issued<S>({0.2, 0.01, 0.1, 0});
+  Mask first;
+  first.set(0);
+  const Vec3<S> tau{S(-0.06), S(0.02), S(0.01)};
+  const VecN<S> change = explaining_change<S>(setup.vehicle.D_B, last.u, first, S(0.02), tau);
+  EXPECT_NEAR(change[0], -0.06 * 0.2 / (0.2 * 0.2 + 0.02 * 0.02), 1e-5);
+  EXPECT_EQ(change[1], S(0));
+  EXPECT_EQ(change[3], S(0));
+  const Mask heard = excited<S>(setup.vehicle.D_B, last.u, S(0.05));
+  EXPECT_TRUE(heard.test(0) && heard.test(2));
+  EXPECT_FALSE(heard.test(1) || heard.test(3));
+}
+
+/// A body that turns exactly as the observer's own midpoint step, with this effectiveness.
+template <class S>
+Vec3<S> turned(const gyrostat::Setup<S>& setup, const Vec3<S>& w, const VecN<S>& e, const VecN<S>& u) {
+  const Mat3<S> J_inv = setup.vehicle.J_B.inverse();
+  const Vec3<S> tau = setup.vehicle.D_B * e.cwiseProduct(u);
+  const auto rate = [&](const Vec3<S>& x) -> Vec3<S> { return J_inv * (tau - x.cross(setup.vehicle.J_B * x)); };
+  return w + setup.dt * rate(w + setup.dt / 2 * rate(w));
+}
+
+TEST(IterativeLearning, DeadBeatGainsFindAFaultInTwoSamples) {
+  const gyrostat::Setup<double> setup = with_spare<double>();
+  IterativeLearningObserver<double>::Params p;
+  p.k1 = p.k4 = 100;  // 1 / dt
+  p.u_reg = 1e-9;
+  p.frozen.set(3);
+  IterativeLearningObserver<double> observer(setup, p);
+  const Allocation<double> last = issued<double>({0.2, -0.2, 0.2, 0});
+  VecN<double> e(4);
+  e << 0.6, 0.5, 0.9, 1;
+  Measurement<double> y = at_rest<double>();
+  (void)observer.start(y);
+  Estimate<double> x;
+  for (int k = 0; k < 3; ++k) {
+    y.omega_BN_B = turned<double>(setup, y.omega_BN_B, e, last.u);
+    x = observer.step(y, last);
+  }
+  EXPECT_LT((x.effectiveness - e).cwiseAbs().maxCoeff(), 1e-9);  // gyroscopic coupling of the two is 1e-12
+  EXPECT_EQ(x.effectiveness_bound[0], 0.1);
+  EXPECT_TRUE(std::isinf(x.effectiveness_bound[3])) << "never excited";
+}
+
+TYPED_TEST(LearningDetection, WithoutAnErrorNothingMoves) {
+  using S = TypeParam;
+  const gyrostat::Setup<S> setup = with_spare<S>();
+  AdaptiveIterativeLearningObserver<S> observer(setup, default_params<AdaptiveIterativeLearningObserver<S>>(setup));
+  const Allocation<S> last = issued<S>({0.2, -0.2, 0.2, 0});
+  Measurement<S> y = at_rest<S>();
+  (void)observer.start(y);
+  for (int k = 0; k < 200; ++k) {
+    y.omega_BN_B = turned<S>(setup, y.omega_BN_B, VecN<S>::Ones(4), last.u);
+    const Estimate<S> x = observer.step(y, last);
+    // The rate differs from the observer's by the rounding of 0.2 rad/s at most: a few epsilon a sample over h u / J.
+    EXPECT_LT((x.effectiveness - VecN<S>::Ones(4)).cwiseAbs().maxCoeff(), S(2e4) * Eigen::NumTraits<S>::epsilon());
+  }
+}
+
+TYPED_TEST(LearningDetection, GatedAndFrozenActuatorsKeepTheirValueAndGainsTheirCaps) {
+  using S = TypeParam;
+  const gyrostat::Setup<S> setup = with_spare<S>();
+  using O = AdaptiveIterativeLearningObserver<S>;
+  const typename O::Params p = default_params<O>(setup);
+  O observer(setup, p);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Measurement<S> y = at_rest<S>();
+  (void)observer.start(y);
+  VecN<S> before = VecN<S>::Ones(4);
+  int moved = 0;
+  for (int k = 0; k < 2000; ++k) {
+    for (int i = 0; i < 3; ++i) y.omega_BN_B[i] = static_cast<S>(1e-3 * unit(random));
+    const Allocation<S> last = issued<S>({0.2 * unit(random), 0.2 * unit(random), 0.2 * unit(random), 0.2});
+    const Estimate<S> x = observer.step(y, last);
+    for (int i = 0; i < 4; ++i) {
+      if (i == 3 || std::abs(last.u[i]) < p.u_gate * S(0.999)) {
+        EXPECT_EQ(x.effectiveness[i], before[i]);
+      }
+      moved += x.effectiveness[i] != before[i] ? 1 : 0;
+      EXPECT_TRUE(x.effectiveness[i] >= p.e_min && x.effectiveness[i] <= p.e_max);
+    }
+    before = x.effectiveness;
+    const auto gains = telemetry_of(observer).at("gains");
+    EXPECT_TRUE(gains[0] >= 0 && gains[0] <= p.k1_max && gains[1] >= 0 && gains[1] <= p.k2_max && gains[2] >= 0 &&
+                gains[2] <= p.k4_max);
+  }
+  EXPECT_GT(moved, 1000);
+}
+
+TEST(AdaptiveIterativeLearning, RefusesGainsThatAreUnstableWhenSampled) {
+  const gyrostat::Setup<double> setup = with_spare<double>();
+  using O = AdaptiveIterativeLearningObserver<double>;
+  O::Params p = default_params<O>(setup);
+  EXPECT_TRUE(O::check(setup, p).ok());
+  p.k1_max = 2.1 / setup.dt;
+  EXPECT_EQ(O::check(setup, p).code, Status<double>::Code::unstable);
+  p = default_params<O>(setup);
+  p.k2_max = 200;  // its layer is a gain of k2 / (layer J)
+  EXPECT_EQ(O::check(setup, p).code, Status<double>::Code::unstable);
+}
+
+/// A detector of two samples' persistence with three of hold-off.
+template <class S>
+ThresholdDetector<S> quick(const gyrostat::Setup<S>& setup, S dither = S(0), int settle = 0) {
+  typename ThresholdDetector<S>::Params p = default_params<ThresholdDetector<S>>(setup);
+  p.persistence = S(2) * setup.dt;
+  p.hold_off = S(3) * setup.dt;
+  p.settle = S(settle) * setup.dt;
+  p.dither = dither;
+  return ThresholdDetector<S>(setup, p);
+}
+
+template <class S>
+Estimate<S> estimated(std::initializer_list<double> e) {
+  Estimate<S> x = Estimate<S>::healthy(at_rest<S>(static_cast<int>(e.size())));
+  Eigen::Index i = 0;
+  for (const double v : e) x.effectiveness[i++] = static_cast<S>(v);
+  return x;
+}
+
+/// Axes renamed and two of them turned round: a rotation, since a mirror would turn the cross product.
+Mat3<double> renamed() {
+  Mat3<double> Q;
+  Q << 0, 1, 0, 0, 0, -1, -1, 0, 0;
+  return Q;
+}
+
+TEST(LearningObservers, DoNotKnowTheNamesOfTheBodyAxes) {
+  using O = AdaptiveIterativeLearningObserver<double>;
+  const gyrostat::Setup<double> setup = with_spare<double>();
+  gyrostat::Setup<double> other = setup;
+  const Mat3<double> Q = renamed();
+  other.vehicle.J_B = Q * setup.vehicle.J_B * Q.transpose();
+  for (int i = 0; i < 4; ++i) other.vehicle.D_B.col(i) = Q * setup.vehicle.D_B.col(i);
+  O one(setup, default_params<O>(setup)), two(other, default_params<O>(other));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Measurement<double> y = at_rest<double>(), z = y;
+  (void)one.start(y);
+  (void)two.start(z);
+  for (int k = 0; k < 300; ++k) {
+    const Allocation<double> last = issued<double>({0.2, -0.15, 0.2 * unit(random), 0});
+    VecN<double> e(4);
+    e << 0.7, 0.9, 0.8, 1;
+    y.omega_BN_B = turned<double>(setup, y.omega_BN_B, e, last.u);
+    z.omega_BN_B = Q * y.omega_BN_B;
+    const VecN<double> a = one.step(y, last).effectiveness, b = two.step(z, last).effectiveness;
+    ASSERT_LT((a - b).cwiseAbs().maxCoeff(), 1e-12) << k;  // sums of three in another order
+  }
+}
+
+TYPED_TEST(LearningDetection, StartingTwiceIsStartingOnce) {
+  using S = TypeParam;
+  using O = AdaptiveIterativeLearningObserver<S>;
+  const gyrostat::Setup<S> setup = with_spare<S>();
+  O used(setup, default_params<O>(setup)), fresh(used);
+  auto tired = quick<S>(setup, S(0.15)), rested = tired;
+  Measurement<S> y = at_rest<S>();
+  const Allocation<S> last = issued<S>({0.2, -0.2, 0.2, 0});
+  (void)tired.start(used.start(y));
+  for (int k = 0; k < 50; ++k) {
+    y.omega_BN_B[0] = static_cast<S>(1e-4 * k);
+    (void)tired.step(used.step(y, last), last);
+  }
+  y = at_rest<S>();
+  Estimate<S> a = used.start(y), b = fresh.start(y);
+  Detection<S> da = tired.start(a), db = rested.start(b);
+  for (int k = 0; k < 50; ++k) {
+    EXPECT_EQ(a.effectiveness, b.effectiveness);
+    EXPECT_EQ(a.effectiveness_bound, b.effectiveness_bound);
+    EXPECT_EQ(da.event, db.event);
+    EXPECT_EQ(da.u_probe, db.u_probe);
+    y.omega_BN_B[1] = static_cast<S>(-1e-4 * k);
+    a = used.step(y, last), b = fresh.step(y, last);
+    da = tired.step(a, last), db = rested.step(b, last);
+  }
+  EXPECT_GT(da.event, 0u) << "it was put to work";
+}
+
+TYPED_TEST(LearningDetection, AChangeIsDeclaredAfterItsPersistenceWithoutAGap) {
+  using S = TypeParam;
+  auto detector = quick<S>(with_spare<S>());
+  const Allocation<S> loud = issued<S>({0.2, 0.2, 0.2, 0}), quiet = issued<S>({0.01, 0.2, 0.2, 0});
+  const Estimate<S> weak = estimated<S>({0.5, 1, 1, 1});
+  EXPECT_FALSE(detector.start(weak).enabled.test(3));
+  EXPECT_EQ(detector.step(weak, loud).event, 0u);
+  EXPECT_EQ(detector.step(weak, quiet).event, 0u) << "a gap";
+  EXPECT_EQ(detector.step(weak, loud).event, 0u);
+  const Detection<S> det = detector.step(weak, loud);
+  EXPECT_EQ(det.event, 1u);
+  EXPECT_EQ(det.changed.bits(), 1u);
+  EXPECT_TRUE(det.enabled.test(3)) << "the spare is on from now on";
+  EXPECT_FALSE(det.failed.any());
+  const Estimate<S> dead = estimated<S>({0.05, 1, 1, 1});
+  for (int k = 0; k < 4; ++k)
+    EXPECT_EQ(detector.step(dead, loud).event, 1u) << "hold-off of three, then the first of two";
+  const Detection<S> last = detector.step(dead, loud);
+  EXPECT_EQ(last.event, 2u);
+  EXPECT_TRUE(last.failed.test(0));
+  EXPECT_TRUE(detector.start(weak).enabled == Mask::all(3)) << "started anew";
+}
+
+TYPED_TEST(LearningDetection, AnEstimateThatIsStillOnItsWayIsNoSecondChange) {
+  using S = TypeParam;
+  const Allocation<S> loud = issued<S>({0.2, 0.2, 0.2, 0});
+  for (const int settle : {0, 3}) {
+    auto detector = quick<S>(with_spare<S>(), S(0), settle);
+    Detection<S> det = detector.start(estimated<S>({1, 1, 1, 1}));
+    for (int k = 1; k <= 40; ++k) det = detector.step(estimated<S>({std::max(1 - 0.15 * k, 0.2), 1, 1, 1}), loud);
+    EXPECT_EQ(det.event, settle == 0 ? 2u : 1u);
+  }
+}
+
+TYPED_TEST(LearningDetection, ALumpedTorqueReadsAsTheEffectivenessThatExplainsIt) {
+  using S = TypeParam;
+  auto detector = quick<S>(with_spare<S>());
+  const Allocation<S> loud = issued<S>({0.2, -0.2, 0.2, 0});
+  Estimate<S> x = estimated<S>({1, 1, 1, 1});
+  x.d_B = {S(0), S(0.08), S(0)};  // -0.2 N m lost 40 %
+  (void)detector.start(x);
+  (void)detector.step(x, loud);
+  EXPECT_EQ(detector.step(x, loud).changed.bits(), 2u);
+  EXPECT_NEAR(telemetry_of(detector).at("effectiveness")[1], 0.6, 1e-5);
+}
+
+TYPED_TEST(LearningDetection, TheProbeMakesNoTorqueAndStaysInsideItsAmplitude) {
+  using S = TypeParam;
+  for (const gyrostat::Setup<S>& setup : {with_spare<S>(), ftc_4rw<S>()}) {
+    auto detector = quick<S>(setup, S(0.15));
+    const Estimate<S> x = estimated<S>({1, 1, 1, 1});
+    Detection<S> det = detector.start(x);
+    VecN<S> largest = VecN<S>::Zero(4);
+    for (int k = 0; k < 2000; ++k) {
+      const Vec3<S> net = setup.vehicle.D_B * det.u_probe;
+      EXPECT_LE(net.norm(), (std::is_same_v<S, double> ? S(1e-12) : S(2e-7)));
+      EXPECT_LE(det.u_probe.cwiseAbs().maxCoeff(), S(0.15) * (S(1) + S(1e-6)));
+      largest = largest.cwiseMax(det.u_probe.cwiseAbs());
+      det = detector.step(x, issued<S>({0, 0, 0, 0}));
+    }
+    EXPECT_GT(largest.minCoeff(), S(0.08)) << "every actuator is heard";
+    EXPECT_TRUE(det.enabled == Mask::all(4));
+  }
+}
+
+TEST(ThresholdDetector, RefusesAProbeWithoutRedundancyOrRoom) {
+  using D = ThresholdDetector<double>;
+  const gyrostat::Setup<double> three =
+      vehicle_with<double>(satellite_inertia<double>(), Mat3<double>::Identity(), 0.2, 0.01);
+  D::Params p = default_params<D>(three);
+  EXPECT_TRUE(D::check(three, p).ok());
+  p.dither = 0.1;
+  EXPECT_EQ(D::check(three, p).code, Status<double>::Code::refused);
+  EXPECT_TRUE(D::check(ftc_4rw<double>(), p).ok());
+  p.dither = 0.2;
+  EXPECT_FALSE(D::check(ftc_4rw<double>(), p).ok());
+}
+
+}  // namespace
+}  // namespace gyrostat::test

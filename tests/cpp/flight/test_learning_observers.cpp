@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include "../random.hpp"
+#include "closed_loop.hpp"
+#include "gyrostat/flight/observers/adaptive_sliding_mode.hpp"
+#include "gyrostat/flight/observers/learning_effectiveness.hpp"
+#include "gyrostat/flight/observers/learning_effectiveness_printed.hpp"
+#include "telemetry_log.hpp"
+#include "vehicles.hpp"
+
+namespace gyrostat::test {
+namespace {
+
+/// Steps `observer` along `body` under u(k), calls `look(k, estimate, last)`.
+template <class Observer, class Command, class Look>
+void watch(Observer& observer, Body& body, double dt, int samples, Command&& command, Look&& look) {
+  using S = typename Observer::Scalar;
+  Allocation<S> last = Allocation<S>::idle(static_cast<int>(body.D_B.cols()));
+  (void)observer.start(body.measured<S>(0));
+  for (int k = 1; k <= samples; ++k) {
+    last.u = command(k - 1).template cast<S>();
+    body.advance(last.u.template cast<double>(), dt);
+    look(k, observer.step(body.measured<S>(static_cast<Tick>(k)), last), last);
+  }
+}
+
+template <class S>
+class LearningObservers : public testing::Test {};
+using Scalars = testing::Types<float, double>;
+TYPED_TEST_SUITE(LearningObservers, Scalars);
+
+/// 0.15 N m a wheel, each with a sign pattern of its own, so that all four directions of command are visited.
+VecN<double> exciting(int k) {
+  VecN<double> u(4);
+  for (int i = 0; i < 4; ++i) u[i] = ((k / (8 << i)) % 2 == 0) ? 0.15 : -0.15;
+  return u;
+}
+
+TYPED_TEST(LearningObservers, FourWheelsAreToldApartOnceTheirCommandsVary) {
+  using S = TypeParam;
+  const Setup<S> setup = ftc_4rw<S>();
+  Body body(setup.vehicle);
+  body.effectiveness << 0.4, 1.0, 0.7, 0.05;
+  LearningEffectiveness<S> observer(setup, LearningEffectiveness<S>::Params::defaults(setup));
+  Estimate<S> x;
+  watch(observer, body, 0.01, 3000, exciting, [&](int, const Estimate<S>& now, const auto&) { x = now; });
+  for (int i = 0; i < 4; ++i) {
+    // Float resolves the rate to 1e-9 rad/s or so: 2e-6 N m of residual, far below the command.
+    EXPECT_NEAR(static_cast<double>(x.effectiveness[i]), body.effectiveness[i], sizeof(S) == 8 ? 1e-3 : 5e-3) << i;
+    EXPECT_TRUE(std::isfinite(x.effectiveness_bound[i])) << i;
+    EXPECT_LE(std::abs(static_cast<double>(x.effectiveness[i]) - body.effectiveness[i]),
+              static_cast<double>(x.effectiveness_bound[i] * x.effectiveness[i]))
+        << i;
+  }
+}
+
+TYPED_TEST(LearningObservers, AnActuatorThatIsNotCommandedIsHeldToTheBitAndUnknown) {
+  using S = TypeParam;
+  const Setup<S> setup = ftc_4rw<S>();
+  Body body(setup.vehicle);
+  body.effectiveness[3] = 0.5;
+  LearningEffectiveness<S> observer(setup, LearningEffectiveness<S>::Params::defaults(setup));
+  watch(
+      observer, body, 0.01, 500,
+      [](int k) {
+        VecN<double> u = exciting(k);
+        u[3] = 1e-4;
+        return u;
+      },
+      [](int, const Estimate<S>& x, const auto&) {
+        EXPECT_EQ(x.effectiveness[3], S(1));
+        EXPECT_TRUE(std::isinf(x.effectiveness_bound[3]));
+      });
+}
+
+TYPED_TEST(LearningObservers, EstimatesStayInsideTheirRangeUnderAnyCommand) {
+  using S = TypeParam;
+  const Setup<S> setup = ftc_4rw<S>();
+  const auto inside = [&](auto observer, S e_min) {
+    Random random(3);
+    Body body(setup.vehicle);
+    body.effectiveness << 0.0, 0.3, 1.0, 0.6;
+    body.omega_BN_B = {0.2, -0.1, 0.3};
+    watch(
+        observer, body, 0.01, 400,
+        [&](int) {
+          VecN<double> u(4);
+          for (int i = 0; i < 4; ++i) u[i] = random.uniform(-0.2, 0.2);
+          return u;
+        },
+        [&](int, const Estimate<S>& x, const auto&) {
+          EXPECT_GE(x.effectiveness.minCoeff(), e_min);
+          EXPECT_LE(x.effectiveness.maxCoeff(), S(1));
+        });
+  };
+  inside(LearningEffectiveness<S>(setup, LearningEffectiveness<S>::Params::defaults(setup)), S(1e-4));
+  inside(LearningEffectivenessPrinted<S>(setup, LearningEffectivenessPrinted<S>::Params::defaults(setup)), S(1e-4));
+  inside(AdaptiveSlidingMode<S>(setup, AdaptiveSlidingMode<S>::Params::defaults(setup)), S(1e-4));
+}
+
+TEST(LearningEffectivenessDouble, IsTheSumAnAxisOnThreeOrthogonalWheels) {
+  const Mat3<double> J = Vec3<double>(36, 17, 26).asDiagonal();
+  const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
+  LearningEffectiveness<double>::Params p;
+  p.M = {80, 50, 60};
+  LearningEffectiveness<double> observer(setup, p);
+  Measurement<double> y;
+  y.h_w = VecN<double>::Zero(3);
+  (void)observer.start(y);
+  Allocation<double> last = Allocation<double>::idle(3);
+  last.u << 4, -3, 0.2;
+  y.omega_BN_B = Vec3<double>(0.6 * 4 / 36, -0.8 * 3 / 17, 0) * 0.01;  // e = 0.6 and 0.8, no gyroscopic torque yet
+  const auto x = observer.step(y, last);
+  // residual u (e - 1) up to the gyroscopic torque of the prediction, 1e-5 N m
+  EXPECT_NEAR(x.effectiveness[0], 1 - 0.4 * 0.03 * 16 / (16 + 0.09), 1e-6);
+  EXPECT_NEAR(x.effectiveness[1], 1 - 0.2 * 0.03 * 9 / (9 + 0.09), 1e-6);
+  EXPECT_EQ(x.effectiveness[2], 1.0);
+}
+
+TEST(LearningEffectivenessDouble, AFaultMakesItsWheelUnknownAtOnceAndLearningMakesItKnownAgain) {
+  const Mat3<double> J = Vec3<double>(36, 17, 26).asDiagonal();
+  const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
+  LearningEffectiveness<double>::Params p;
+  p.torque_error = 0.02;
+  LearningEffectiveness<double> observer(setup, p);
+  Body body(setup.vehicle);
+  VecN<double> u(3);
+  watch(
+      observer, body, 0.01, 1000,
+      [&](int k) {
+        if (k == 500) body.effectiveness[1] = 0.5;
+        u << 2, 2, 2;
+        return VecN<double>((k / 50) % 2 == 0 ? u : VecN<double>(-u));
+      },
+      [&](int k, const Estimate<double>& x, const auto&) {
+        if (k == 500) {
+          EXPECT_TRUE(x.effectiveness_bound.allFinite());
+        }
+        if (k == 501) {
+          EXPECT_TRUE(std::isinf(x.effectiveness_bound[1]));
+          EXPECT_TRUE(std::isfinite(x.effectiveness_bound[0]));
+        }
+        if (k == 1000) {
+          EXPECT_NEAR(x.effectiveness[1], 0.5, 1e-3);
+          EXPECT_LT(x.effectiveness_bound[1], 0.3);
+        }
+      });
+}
+
+TEST(LearningEffectivenessDouble, WheelMomentumBelongsToTheModel) {
+  auto setup = ftc_4rw<double>();
+  LearningEffectiveness<double> observer(setup, LearningEffectiveness<double>::Params::defaults(setup));
+  const Mat3<double>& J = setup.vehicle.J_B;
+  Measurement<double> y;
+  y.h_w = VecN<double>(4);
+  y.h_w << 5, -2.5, 1.25, 0.5;
+  y.omega_BN_B = {0.01, -0.02, 0.03};
+  Allocation<double> last = Allocation<double>::idle(4);
+  (void)observer.start(y);
+  for (int k = 0; k < 300; ++k) {
+    last.u = exciting(k);
+    for (int j = 0; j < 20; ++j) {  // midpoint rule, 20 steps a period
+      const double h = setup.dt / 20;
+      const auto rate = [&](const Vec3<double>& w, const VecN<double>& hw) {
+        return Vec3<double>(J.inverse() * (setup.vehicle.D_B * last.u - w.cross(J * w + setup.vehicle.D_B * hw)));
+      };
+      const Vec3<double> middle = y.omega_BN_B + h / 2 * rate(y.omega_BN_B, y.h_w);
+      y.omega_BN_B += h * rate(middle, y.h_w - h / 2 * last.u);
+      y.h_w -= h * last.u;
+    }
+    const auto x = observer.step(y, last);
+    EXPECT_GT(x.effectiveness.minCoeff(), 1 - 1e-5);  // w x D h_w is 0.1 N m, most of a command
+  }
+}
+
+TEST(LearningEffectivenessPrintedDouble, EndsAtTheFixedPointThatTheLeakLeaves) {
+  const Mat3<double> J = 26 * Mat3<double>::Identity();
+  const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
+  LearningEffectivenessPrinted<double>::Params p;
+  p.H1 = {8, 15, 12};
+  p.H2 = {20, 3, 8};
+  p.M = {80, 50, 60};
+  LearningEffectivenessPrinted<double> observer(setup, p);
+  Body body(setup.vehicle);
+  body.effectiveness << 0.8, 0.6, 1.0;
+  Estimate<double> x;
+  watch(
+      observer, body, 0.01, 2000, [](int) { return VecN<double>(VecN<double>::Constant(3, 5)); },
+      [&](int, const Estimate<double>& now, const auto&) { x = now; });
+  for (int i = 0; i < 3; ++i) {
+    const double fixed = 5 * body.effectiveness[i] / (5 + p.M[i] * 0.1 / (p.H1[i] + p.H2[i]));
+    EXPECT_NEAR(x.effectiveness[i], fixed, 1e-6) << i;  // n = 0: (u e) / (u + M (1 - l) / (H1 + H2))
+  }
+}
+
+TEST(LearningEffectivenessPrintedDouble, RefusesADelayThatIsNoWholeNumberOfPeriods) {
+  const auto setup = ftc_4rw<double>();
+  auto p = LearningEffectivenessPrinted<double>::Params::defaults(setup);
+  EXPECT_TRUE(LearningEffectivenessPrinted<double>::check(setup, p).ok());
+  p.delay = 0.015;
+  EXPECT_FALSE(LearningEffectivenessPrinted<double>::check(setup, p).ok());
+  p.delay = 1.0;
+  EXPECT_FALSE(LearningEffectivenessPrinted<double>::check(setup, p).ok()) << "longer than the delay line";
+}
+
+TEST(AdaptiveSlidingModeDouble, IsUnstableUnderAnAlternatingCommandWhereItsCheckSaysSo) {
+  const Mat3<double> J = 20 * Mat3<double>::Identity();
+  const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 10, 0.01);
+  AdaptiveSlidingMode<double>::Params p;
+  p.L.setConstant(200);
+  p.rho_max = 0;
+  const auto spread = [&](double factor) {  // gamma as a multiple of the limit 2 L dt / J
+    p.gamma = factor * 2 * (200 * 0.01 / 20) * 20 / (100 * 1e-4);
+    EXPECT_EQ((AdaptiveSlidingMode<double>::check(setup, p).ok()), factor < 1) << factor;
+    AdaptiveSlidingMode<double> observer(setup, p);
+    Body body(setup.vehicle);
+    body.effectiveness.setConstant(0.5);
+    double late = 0;
+    watch(
+        observer, body, 0.01, 2000,
+        [](int k) { return VecN<double>(VecN<double>::Constant(3, k % 2 == 0 ? 10.0 : -10.0)); },
+        [&](int k, const Estimate<double>& x, const auto&) {
+          if (k > 1500) late = std::max(late, (x.effectiveness - body.effectiveness).cwiseAbs().maxCoeff());
+        });
+    return late;
+  };
+  EXPECT_LT(spread(0.9), 1e-3);
+  EXPECT_GT(spread(1.2), 0.1);
+}
+
+}  // namespace
+}  // namespace gyrostat::test

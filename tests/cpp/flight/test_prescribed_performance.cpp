@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+// Funnel, transformed error, and the law that keeps the attitude inside; the terminal law that it is compared with.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "gyrostat/flight/controllers/fast_terminal_sliding_mode.hpp"
+#include "gyrostat/flight/controllers/prescribed_performance.hpp"
+#include "telemetry_log.hpp"
+#include "vehicles.hpp"
+
+namespace gyrostat::test {
+namespace {
+
+template <class S>
+class PrescribedPerformanceLaw : public ::testing::Test {};
+using Scalars = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(PrescribedPerformanceLaw, Scalars);
+
+template <class S>
+constexpr FunnelShape<S> shape(S power = S(0.5)) {
+  return {power, S(0.005), S(1), S(1)};
+}
+
+TYPED_TEST(PrescribedPerformanceLaw, TheErrorStartsInsideItsFunnelWhichClosesSmoothly) {
+  using S = TypeParam;
+  for (const S power : {S(0.3), S(0.5), S(0.8)}) {
+    for (const S q : {S(0.2), S(-0.03), S(0.005), S(0.001), S(0)}) {
+      const Funnel<S> f = Funnel<S>::armed(q, S(1.05), S(0.005), S(8));
+      const FunnelBounds<S> at_once = funnel_bounds(f, shape(power), S(0));
+      EXPECT_LT(at_once.lower, q);
+      EXPECT_LT(q, at_once.upper);
+      const S z = normalise(at_once, q, S(0), S(0.99)).z;
+      EXPECT_LT(std::abs(z), f.side == S(0) ? S(1 / 1.05) : S(0.05 / 1.05)) << q;
+      for (int k = 0; k < 1000; ++k) {
+        const FunnelBounds<S> b = funnel_bounds(f, shape(power), S(0.01) * static_cast<S>(k));
+        EXPECT_LT(b.lower, b.upper);
+      }
+      const S dt = S(1e-3);  // before t_f: rho - rho_inf = rho_0 (dt / t_f)^(1/p), below 3e-5 rho_0 for p = 0.8
+      const FunnelBounds<S> before = funnel_bounds(f, shape(power), S(8) - dt),
+                            after = funnel_bounds(f, shape(power), S(8));
+      EXPECT_NEAR(before.upper, after.upper, 1e-4 * f.rho_0 + 1e-8);
+      EXPECT_NEAR(before.upper_dot, 0, 0.06 * f.rho_0) << "slope 1/(p t_f) (dt/t_f)^(1/p - 1): 0.017 for p = 0.8";
+      EXPECT_EQ(after.upper_dot, S(0));
+    }
+  }
+}
+
+TEST(Funnel, OpensByWhatItWasArmedWith) {
+  const Funnel<double> f = Funnel<double>::armed(-0.2, 1.05, 0.005, 8);
+  const FunnelBounds<double> b = funnel_bounds(f, shape<double>(), 0.0);
+  EXPECT_NEAR(b.lower, -2 * (1.05 * 0.2 + 0.005) + 0.005,
+              1e-15);  // (side - delta_1) rho - rho_inf side, rho(0) = rho_0 + rho_inf
+  EXPECT_NEAR(b.upper, 0.005, 1e-15);
+}
+
+TEST(TransformedError, IsThePrintedOneAndItsDerivative) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int k = 0; k < 500; ++k) {
+    const Funnel<double> f = Funnel<double>::armed(unit(random) - 0.5, 1.05, 0.005, 8);
+    const double t = 9 * unit(random), share = 0.01 + 0.98 * unit(random), rate = 0.02 * (unit(random) - 0.5);
+    const FunnelBounds<double> b = funnel_bounds(f, shape<double>(), t);
+    const double q = b.lower + share * (b.upper - b.lower);
+    const Normalised<double> n = normalise(b, q, rate, 0.99);
+    // Equations (13) and (14): ln((q - rho1) / (rho2 - q)) and its derivative term by term.
+    const double eps = std::log((q - b.lower) / (b.upper - q));
+    const double eps_dot = (rate - b.lower_dot) / (q - b.lower) + (rate - b.upper_dot) / (b.upper - q);
+    EXPECT_NEAR(n.eps, eps, 1e-10);
+    EXPECT_NEAR(n.eps_dot, eps_dot, 1e-10 * (1 + std::abs(eps_dot)));
+    const double dt = 1e-6;
+    const auto eps_at = [&](double s) {
+      return normalise(funnel_bounds(f, shape<double>(), t + s), q + rate * s, rate, 0.99).eps;
+    };
+    // Central difference: third derivative times dt^2, and rounding of eps over dt.
+    if (std::abs(t - 8) > 1e-3) {
+      EXPECT_NEAR(n.eps_dot, (eps_at(dt) - eps_at(-dt)) / (2 * dt), 1e-6 * (1 + std::abs(n.eps_dot)));
+    }
+  }
+}
+
+TYPED_TEST(PrescribedPerformanceLaw, OutsideTheFunnelTheTransformationGoesOnAlongItsTangent) {
+  using S = TypeParam;
+  const FunnelBounds<S> b = funnel_bounds(Funnel<S>::armed(S(0.2), S(1.05), S(0.005), S(8)), shape<S>(), S(1));
+  const S width = b.upper - b.lower, middle = (b.upper + b.lower) / 2;
+  const auto eps_at = [&](S z) { return normalise(b, middle + z * width / 2, S(0), S(0.9)).eps; };
+  const S slope = S(2) / (S(1) - S(0.81));
+  EXPECT_NEAR(eps_at(S(0.9)), std::log(1.9 / 0.1), 1e-4);
+  EXPECT_NEAR(eps_at(S(1)) - eps_at(S(0.95)), slope * S(0.05), 1e-4);
+  EXPECT_NEAR(eps_at(S(-50)), -std::log(1.9 / 0.1) - slope * S(49.1), 1e-1);
+}
+
+template <class S>
+Setup<S> orthogonal() {
+  return vehicle_with<S>(satellite_inertia<S>(), Mat3<S>::Identity(), S(0.2), S(0.01));
+}
+
+template <class S>
+Estimate<S> turned_by(const Vec3<S>& euler_angles, S sign = S(1)) {
+  Measurement<S> y;
+  const Quat<S> q = quat_from_euler(euler_angles);
+  y.q_NB = Quat<S>(sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z());
+  y.h_w = VecN<S>::Zero(3);
+  return Estimate<S>::healthy(y);
+}
+
+TYPED_TEST(PrescribedPerformanceLaw, ArmsAtTheStartAtJumpsAndAtDetectedFaults) {
+  using S = TypeParam;
+  using C = PrescribedPerformance<S>;
+  const gyrostat::Setup<S> setup = orthogonal<S>();
+  for (const auto arming : {C::Arming::adaptive, C::Arming::fixed}) {
+    typename C::Params p = default_params<C>(setup);
+    p.arming = arming;
+    C law(setup, p);
+    const bool adaptive = arming == C::Arming::adaptive;
+    Estimate<S> x = turned_by<S>({S(0.3), S(-0.2), S(0)});
+    Detection<S> det;
+    Reference<S> ref;
+    const auto count = [&](const char* name) { return telemetry_of(law).at(name)[0]; };
+    (void)law.start(x, det, ref);
+    EXPECT_EQ(count("arms"), 1);
+    for (int k = 0; k < 100; ++k) (void)law.step(x, det, ref, {});
+    EXPECT_EQ(count("arms"), 1);
+    det.event = 1;
+    (void)law.step(x, det, ref, {});
+    EXPECT_EQ(count("arms"), adaptive ? 2 : 1);
+    ref.q_NR = quat_from_euler<S>({S(-0.5), S(0.4), S(0.6)});
+    ref.event = 1;
+    const Demand<S> demand = law.step(x, det, ref, {});
+    EXPECT_EQ(count("arms"), adaptive ? 3 : 1);
+    EXPECT_EQ(count("breaches"), adaptive ? 0 : 1);
+    EXPECT_EQ(demand.status.has(Flag::breach), !adaptive);
+    EXPECT_EQ(count("margin") > 0, adaptive);
+    EXPECT_TRUE(demand.tau_B.allFinite());
+    (void)law.step(x, det, ref, {});
+    EXPECT_EQ(count("breaches"), adaptive ? 0 : 1) << "counted when it is left, not while it is outside";
+    EXPECT_LE(count("lowest_margin"), count("margin"));
+  }
+}
+
+TYPED_TEST(PrescribedPerformanceLaw, ClosesInTheTimeThatTheTorqueAtHandNeeds) {
+  using S = TypeParam;
+  using C = PrescribedPerformance<S>;
+  const gyrostat::Setup<S> setup = orthogonal<S>();
+  C law(setup, default_params<C>(setup));
+  Estimate<S> x = turned_by<S>({S(0.5), S(0), S(0)});
+  x.effectiveness[0] = S(0.25);
+  (void)law.start(x, {}, {});
+  // sqrt(4 kappa angle J / (u_max e)), twice that of the healthy actuator
+  EXPECT_NEAR(telemetry_of(law).at("closing_time")[0], std::sqrt(4 * 2 * 0.5 * 20 / (0.2 * 0.25)), 1e-3);
+}
+
+TYPED_TEST(PrescribedPerformanceLaw, BothSignsOfTheQuaternionStartTheShortWay) {
+  using S = TypeParam;
+  const gyrostat::Setup<S> setup = orthogonal<S>();
+  PrescribedPerformance<S> one(setup, default_params<PrescribedPerformance<S>>(setup)), other(one);
+  FastTerminalSlidingMode<S> slide(setup, default_params<FastTerminalSlidingMode<S>>(setup)), glide(slide);
+  const Vec3<S> angles{S(0.3), S(-0.2), S(0.1)};
+  const Estimate<S> plus = turned_by<S>(angles), minus = turned_by<S>(angles, S(-1));
+  EXPECT_EQ(one.start(plus, {}, {}).tau_B, other.start(minus, {}, {}).tau_B);
+  const Vec3<S> tau = slide.start(plus, {}, {}).tau_B;
+  EXPECT_EQ(tau, glide.start(minus, {}, {}).tau_B);
+  EXPECT_LT(tau[0], S(0)) << "against the roll angle";
+}
+
+TYPED_TEST(PrescribedPerformanceLaw, TheTerminalLawIsTheClosedFormAtRest) {
+  using S = TypeParam;
+  using C = FastTerminalSlidingMode<S>;
+  const gyrostat::Setup<S> setup = orthogonal<S>();
+  typename C::Params p;
+  p.b1 = S(0.2), p.b2 = S(0.01), p.b3 = S(15), p.b4 = S(0.05);
+  C law(setup, p);
+  const Demand<S> demand = law.start(turned_by<S>({S(0.3), S(0), S(0)}), {}, {});
+  const double q = std::sin(0.15), s = 0.2 * q + 0.01 * std::pow(q, 0.6);
+  EXPECT_NEAR(demand.tau_B[0], -15 * s - 0.05 * std::pow(s, 0.6), 1e-5);
+  EXPECT_EQ(demand.tau_B[1], S(0));
+}
+
+TEST(FastTerminalSlidingMode, DoesNotKnowTheNamesOfTheBodyAxes) {
+  using C = FastTerminalSlidingMode<double>;
+  const gyrostat::Setup<double> setup = ftc_4rw<double>();
+  gyrostat::Setup<double> other = setup;
+  Mat3<double> Q;
+  Q << 0, 1, 0, 0, 0, 1, -1, 0, 0;
+  const double turns = Q.determinant();  // -1: a mirror; vectors of rotation change sign with it
+  other.vehicle.J_B = Q * setup.vehicle.J_B * Q.transpose();
+  C one(setup, default_params<C>(setup)), two(other, default_params<C>(other));
+  Measurement<double> y;
+  y.h_w = VecN<double>::Zero(4);
+  y.q_NB = quat_from_euler<double>({0.4, -0.3, 0.2});
+  y.omega_BN_B = {0.02, -0.01, 0.03};
+  Measurement<double> z = y;
+  z.q_NB.vec() = turns * Q * y.q_NB.vec();
+  z.omega_BN_B = turns * Q * y.omega_BN_B;
+  const Vec3<double> a = one.start(Estimate<double>::healthy(y), {}, {}).tau_B;
+  const Vec3<double> b = two.start(Estimate<double>::healthy(z), {}, {}).tau_B;
+  EXPECT_LT((turns * Q * a - b).norm(), 1e-12 * a.norm());  // rounding
+}
+
+TEST(PrescribedPerformance, RefusesWhatCannotWork) {
+  using C = PrescribedPerformance<double>;
+  const gyrostat::Setup<double> setup = orthogonal<double>();
+  C::Params p = default_params<C>(setup);
+  EXPECT_TRUE(C::check(setup, p).ok());
+  p.eta = 1;  // the error would start on the funnel
+  EXPECT_EQ(C::check(setup, p).code, Status<double>::Code::refused);
+  p = default_params<C>(setup);
+  p.z_max = 0.999;  // slope 1000: faster than the sample
+  EXPECT_EQ(C::check(setup, p).code, Status<double>::Code::unstable);
+  p = default_params<C>(setup);
+  p.b3 = 1e4;
+  EXPECT_EQ(C::check(setup, p).code, Status<double>::Code::unstable);
+}
+
+}  // namespace
+}  // namespace gyrostat::test
