@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+/// @file  Linear sliding mode that cancels the observer's torque and learns what is left from the sliding variable.
+///
+///   s = w_e + delta q
+///   tau_B = equivalent - k_lin s - k_sgn sat(s / width) - learnt - d_B
+///   learnt[k] = theta3 learnt[k-n] + K3 (sigma3 s[k-n] + sigma4 s[k])
+///
+/// Source: Wang, Jia, Yu 2023, eq. (27)-(31), tracking and layer added. Page: docs/components/mixed_learning_sliding_mode.md
+#pragma once
+#include <Eigen/LU>
+#include <limits>
+
+#include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/controllers/rate_attitude_surface.hpp"
+#include "gyrostat/flight/mixed_learning.hpp"
+
+namespace gyrostat {
+
+template <class S>
+class MixedLearningSlidingMode {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "mixed_learning_sliding_mode";
+  static constexpr bool axiswise = true;
+  static constexpr bool switching = true;
+  static constexpr bool regulates = true;
+
+  struct Params {
+    S delta = S(0.1);
+    S k_lin = S(3);
+    S k_sgn = S(0.01);
+    S width = S(0);
+    Mat3<S> K3 = Mat3<S>::Identity();
+    S sigma3 = S(0.01);
+    S sigma4 = S(0.99);
+    S theta3 = S(0.99);
+    int delay = 1;
+    S clamp = std::numeric_limits<S>::infinity();
+    bool compensate = true;
+
+    static constexpr void describe(auto& p, auto&& field) {
+      constexpr double infinite = std::numeric_limits<double>::infinity();
+      field(p.delta, Field{"delta", "1/s", 1e-9, 1e9, "slope of the surface; the attitude decays at half of it"});
+      field(p.k_lin, Field{"k_lin", "N m s", 0, 1e9, "linear gain of s"});
+      field(p.k_sgn, Field{"k_sgn", "N m", 0, 1e9, "switching gain"});
+      field(p.width, Field{"width", "rad/s", 0, 1e9, "boundary layer of s; 0: sign"});
+      field(p.K3, Field{"K3", "N m s", -1e9, 1e9, "torque learnt per s"});
+      field(p.sigma3, Field{"sigma3", "", -1, 1, "share of s `delay` samples ago"});
+      field(p.sigma4, Field{"sigma4", "", 0, 1, "share of the present s"});
+      field(p.theta3, Field{"theta3", "", 0, 1, "kept of the torque learnt `delay` samples ago"});
+      field(p.delay, Field{"delay", "samples", 1, max_delay, "learning interval"});
+      field(p.clamp, Field{"clamp", "N m", 0, infinite, "largest learnt torque, each axis"});
+      field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
+    }
+
+    MixedLearningGains<S> learning() const noexcept { return {K3, sigma4, sigma3, theta3, delay, clamp}; }
+    S slope() const noexcept { return width > S(0) ? k_sgn / width : S(0); }
+
+    /// `SlidingScales`; the learning has the bandwidth f of the linear part, keeps 0.999 and is clamped at the usable torque.
+    static Params defaults(const Setup<S>& setup) noexcept {
+      const SlidingScales<S> scale(setup);
+      const S f = default_stiffness(setup).frequency;
+      Params p;
+      p.delta = scale.delta;
+      p.k_lin = scale.k_lin;
+      p.k_sgn = scale.k_sgn;
+      p.width = scale.width;
+      p.K3 = f * f * setup.dt * setup.vehicle.J_B;
+      p.theta3 = S(0.999);
+      p.clamp = usable_torque(setup.vehicle);
+      return p;
+    }
+  };
+
+  /// The sampled loop of s must be stable, inside the layer and out of it.
+  static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
+    return needs_body_coordinates(setup) &&
+           learning_loop_is_stable(setup, Mat3<S>(p.k_lin * Mat3<S>::Identity()), p.slope(), p.learning());
+  }
+
+  MixedLearningSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+      : vehicle_(setup.vehicle), params_(params), surface_({params.delta}), learning_(params.learning()) {}
+
+  /// First sample: nothing learnt before.
+  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    learning_.reset();
+    return demand(x, ref);
+  }
+  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                               const Allocation<S>&) noexcept {
+    return demand(x, ref);
+  }
+
+  void telemetry(auto&& log) const {
+    log("s", s_);
+    log("learnt", learning_.learnt());
+  }
+
+ private:
+  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const typename RateAttitudeSurface<S>::Value at = surface_(vehicle_, x, ref);
+    s_ = at.s;
+    Demand<S> out;
+    out.tau_B = at.equivalent_B - params_.k_lin * s_ - params_.k_sgn * layer(s_, params_.width) - learning_.update(s_);
+    if (params_.compensate) out.tau_B -= x.d_B;
+    return out;
+  }
+
+  Vehicle<S> vehicle_;
+  Params params_;
+  RateAttitudeSurface<S> surface_;
+  MixedLearning<S> learning_;
+  Vec3<S> s_ = Vec3<S>::Zero();  ///< rad/s
+};
+
+}  // namespace gyrostat

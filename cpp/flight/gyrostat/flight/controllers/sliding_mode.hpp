@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+/// @file  Linear sliding mode of rate and quaternion error, alone or with an adaptive radial-basis network.
+///
+///   s = w_e + delta q
+///   tau_B = equivalent - k_lin s - k_sgn sat(s / width) - W' phi(q, w_e)
+///   W' = rate (phi s' - leak |s| W)
+///
+/// Source: Zou 2016 as Wang, Jia, Yu 2023 use it for comparison; the network is an approximation of the cited one.
+/// Page: docs/components/sliding_mode.md
+#pragma once
+#include <array>
+#include <cmath>
+
+#include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/controllers/rate_attitude_surface.hpp"
+
+namespace gyrostat {
+
+/// No fault estimate is used unless `compensate`.
+template <class S>
+class SlidingMode {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "sliding_mode";
+  static constexpr bool axiswise = true;
+  static constexpr bool switching = true;
+  static constexpr bool regulates = true;
+  static constexpr int nodes = 13;  ///< the origin, and one each way along each of the six inputs
+
+  struct Params {
+    S delta = S(0.1);
+    S k_lin = S(3);
+    S k_sgn = S(0.01);
+    S width = S(0);
+    bool compensate = false;
+    S network_rate = S(0);
+    S network_leak = S(0.05);
+    S network_reach = S(0.5);
+
+    static constexpr void describe(auto& p, auto&& field) {
+      field(p.delta, Field{"delta", "1/s", 1e-9, 1e9, "slope of the surface; the attitude decays at half of it"});
+      field(p.k_lin, Field{"k_lin", "N m s", 0, 1e9, "linear gain of s"});
+      field(p.k_sgn, Field{"k_sgn", "N m", 0, 1e9, "switching gain"});
+      field(p.width, Field{"width", "rad/s", 0, 1e9, "boundary layer of s; 0: sign"});
+      field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
+      field(p.network_rate, Field{"network_rate", "N m/rad", 0, 1e9, "adaptation of the network; 0: none"});
+      field(p.network_leak, Field{"network_leak", "rad/(N m s)", 0, 1e9, "forgetting, per |s|"});
+      field(p.network_reach, Field{"network_reach", "", 1e-3, 1e3, "distance of the nodes, and their width"});
+    }
+
+    S slope() const noexcept { return width > S(0) ? k_sgn / width : S(0); }
+
+    /// `SlidingScales`, no network.
+    static Params defaults(const Setup<S>& setup) noexcept {
+      const SlidingScales<S> scale(setup);
+      Params p;
+      p.delta = scale.delta;
+      p.k_lin = scale.k_lin;
+      p.k_sgn = scale.k_sgn;
+      p.width = scale.width;
+      return p;
+    }
+  };
+
+  /// The sampled slope must be stable about the smallest inertia.
+  static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
+    const S J = smallest_inertia(setup.vehicle.J_B), slope = p.k_lin + p.slope();
+    return needs_body_coordinates(setup) &&
+           Status<S>::require(slope * setup.dt < S(2) * J, "(k_lin + k_sgn / width) * dt", slope * setup.dt, S(2) * J,
+                              "<", Status<S>::Code::unstable);
+  }
+
+  SlidingMode(const Setup<S>& setup, const Params& params) noexcept
+      : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), surface_({params.delta}) {}
+
+  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    weights_.setZero();
+    return demand(x, ref);
+  }
+  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                               const Allocation<S>&) noexcept {
+    return demand(x, ref);
+  }
+
+  void telemetry(auto&& log) const {
+    log("s", s_);
+    log("network", network_);
+  }
+
+ private:
+  using Activation = Eigen::Matrix<S, nodes, 1>;
+
+  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const typename RateAttitudeSurface<S>::Value at = surface_(vehicle_, x, ref);
+    s_ = at.s;
+    Demand<S> out;
+    out.tau_B = at.equivalent_B - params_.k_lin * s_ - params_.k_sgn * layer(s_, params_.width);
+    if (params_.network_rate > S(0)) out.tau_B -= network(x, ref);
+    if (params_.compensate) out.tau_B -= x.d_B;
+    return out;
+  }
+
+  /// Torque of the network with the weights so far, which then make an Euler step. The forgetting is implicit: bounded for
+  /// every s.
+  const Vec3<S>& network(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const Tracking<S> error = track(vehicle_, x, ref);
+    const Vec3<S> q = quat_from_mrp(error.sigma_BR).vec();
+    const Activation phi = activation(q, error.omega_BR_B);
+    network_ = weights_.transpose() * phi;
+    const S forget = dt_ * params_.network_rate * params_.network_leak * s_.norm();
+    weights_ = (weights_ + dt_ * params_.network_rate * phi * s_.transpose()) / (S(1) + forget);
+    return network_;
+  }
+
+  Activation activation(const Vec3<S>& q, const Vec3<S>& w) const noexcept {
+    const S r = params_.network_reach;
+    const S square = q.squaredNorm() + w.squaredNorm();
+    Activation phi;
+    phi[0] = std::exp(-square / (r * r));
+    for (int i = 0; i < 3; ++i) {
+      const std::array<S, 2> input{q[i], w[i]};
+      for (int j = 0; j < 2; ++j) {
+        const S in = input[static_cast<std::size_t>(j)];
+        phi[1 + 4 * i + 2 * j] = std::exp(-(square - S(2) * r * in + r * r) / (r * r));
+        phi[2 + 4 * i + 2 * j] = std::exp(-(square + S(2) * r * in + r * r) / (r * r));
+      }
+    }
+    return phi;
+  }
+
+  Vehicle<S> vehicle_;
+  S dt_;
+  Params params_;
+  RateAttitudeSurface<S> surface_;
+  Eigen::Matrix<S, nodes, 3> weights_ = Eigen::Matrix<S, nodes, 3>::Zero();  ///< N m
+  Vec3<S> s_ = Vec3<S>::Zero();                                              ///< rad/s
+  Vec3<S> network_ = Vec3<S>::Zero();                                        ///< N m
+};
+
+}  // namespace gyrostat

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// The sliding modes that share a surface: sliding_mode, mixed_learning_sliding_mode, mixed_learning_terminal_sliding_mode.
+#include <gtest/gtest.h>
+
+#include "../random.hpp"
+#include "closed_loop.hpp"
+#include "gyrostat/flight/controllers/mixed_learning_terminal_sliding_mode.hpp"
+#include "gyrostat/flight/controllers/sliding_mode.hpp"
+#include "telemetry_log.hpp"
+#include "vehicles.hpp"
+
+namespace gyrostat::test {
+namespace {
+
+using Surface = RateAttitudeSurface<double>;
+
+TEST(RateAttitudeSurface, ItsTorqueKeepsTheSlidingVariableWhileTheReferenceMoves) {
+  Random random(5);
+  const auto setup = ftc_4rw<double>();
+  for (int trial = 0; trial < 40; ++trial) {
+    const Surface surface({0.2, trial % 2 == 0 ? 0.0 : 0.1, 0.7, trial % 4 == 1 ? 0.5 : 0.01});
+    const double h = 1e-4;
+    Body body(setup.vehicle);
+    body.q_NB = random.attitude<double>();
+    body.omega_BN_B = random.vector<double>(0.2);
+    Reference<double> ref;
+    ref.q_NR = random.attitude<double>();
+    const Vec3<double> rate = random.vector<double>(0.2);
+    ref.omega_RN_R = rate;
+    ref.omegadot_RN_R = random.vector<double>(0.05);
+    const auto estimate = [&] { return Estimate<double>::healthy(body.measured<double>(0)); };
+    const Surface::Value at = surface(setup.vehicle, estimate(), ref);
+    body.d_B = at.equivalent_B;
+    body.advance(VecN<double>::Zero(4), h);
+    ref.q_NR = ref.q_NR * quat_exp<double>(h * (rate + h / 2 * ref.omegadot_RN_R));
+    ref.omega_RN_R += h * ref.omegadot_RN_R;
+    const Vec3<double> s = surface(setup.vehicle, estimate(), ref).s;
+    // The second derivative of s, of order one, times h; a missing term shows as 1e-2.
+    EXPECT_LT((s - at.s).norm() / h, 5e-4) << trial;
+  }
+}
+
+TEST(RateAttitudeSurface, TheTerminalPartIsContinuousAndItsTorqueBounded) {
+  const auto setup = ftc_4rw<double>();
+  const Surface surface({0.1, 0.05, 0.7, 0.01});
+  Vec3<double> before = Vec3<double>::Zero();
+  for (double q = -0.02; q < 0.02; q += 1e-6) {
+    Measurement<double> y;
+    y.h_w = VecN<double>::Zero(4);
+    y.q_NB = Quat<double>(std::sqrt(1 - q * q), q, 0, 0);
+    y.omega_BN_B = {0.01, 0, 0};
+    const Surface::Value at = surface(setup.vehicle, Estimate<double>::healthy(y), {});
+    if (q > -0.02) {
+      ASSERT_LT((at.s - before).norm(), 1e-6) << q;  // slope below 1
+    }
+    before = at.s;
+    ASSERT_LT(at.equivalent_B.norm(), 0.1) << q;
+  }
+}
+
+TEST(SlidingMode, TheNetworkStaysBoundedByItsForgetting) {
+  const auto setup = ftc_4rw<double>();
+  auto p = SlidingMode<double>::Params::defaults(setup);
+  p.network_rate = 0.3;
+  SlidingMode<double> law(setup, p);
+  Measurement<double> y;
+  y.h_w = VecN<double>::Zero(4);
+  y.omega_BN_B = {0.5, -0.5, 0.5};  // held by force: nothing the network does helps
+  const Estimate<double> x = Estimate<double>::healthy(y);
+  const Detection<double> det = Detection<double>::none(setup.vehicle);
+  Demand<double> out = law.start(x, det, {});
+  for (int k = 0; k < 200000; ++k) out = law.step(x, det, {}, Allocation<double>::idle(4));
+  // W -> phi s' / (leak |s|) entry by entry, so |network| -> |phi|^2 / leak <= 13 / 0.05
+  const std::vector<double> network = telemetry_of(law).at("network");
+  const double size = std::hypot(network[0], network[1], network[2]);
+  EXPECT_GT(size, 1);
+  EXPECT_LT(size, 13 / 0.05);
+  EXPECT_TRUE(out.tau_B.allFinite());
+}
+
+template <class Law>
+class SlidingLaws : public testing::Test {};
+using Laws = testing::Types<SlidingMode<float>, SlidingMode<double>, MixedLearningSlidingMode<float>,
+                            MixedLearningSlidingMode<double>, MixedLearningTerminalSlidingMode<float>,
+                            MixedLearningTerminalSlidingMode<double>>;
+TYPED_TEST_SUITE(SlidingLaws, Laws);
+
+TYPED_TEST(SlidingLaws, StartTwiceIsStartOnceAndTheOtherSignOfTheQuaternionIsTheSameAttitude) {
+  using S = typename TypeParam::Scalar;
+  const Setup<S> setup = ftc_4rw<S>();
+  const auto p = TypeParam::Params::defaults(setup);
+  TypeParam fresh(setup, p), used(setup, p);
+  Measurement<S> y;
+  y.h_w = VecN<S>::Zero(4);
+  y.q_NB = Quat<S>(S(0.8), S(0.36), S(-0.4), S(0.2689)).normalized();
+  y.omega_BN_B = {S(0.05), S(0.1), S(-0.02)};
+  const Estimate<S> x = Estimate<S>::healthy(y);
+  y.q_NB.coeffs() = -y.q_NB.coeffs();
+  const Estimate<S> other = Estimate<S>::healthy(y);
+  const Detection<S> det = Detection<S>::none(setup.vehicle);
+  const Allocation<S> last = Allocation<S>::idle(4);
+  static_cast<void>(used.start(x, det, {}));
+  for (int k = 0; k < 20; ++k) static_cast<void>(used.step(x, det, {}, last));
+  EXPECT_EQ(used.start(x, det, {}).tau_B, fresh.start(x, det, {}).tau_B);
+  EXPECT_EQ(used.step(other, det, {}, last).tau_B, fresh.step(x, det, {}, last).tau_B);
+}
+
+TYPED_TEST(SlidingLaws, RefuseAGainThatTheirPeriodDoesNotAllow) {
+  using S = typename TypeParam::Scalar;
+  const Setup<S> setup = ftc_4rw<S>();
+  auto p = TypeParam::Params::defaults(setup);
+  EXPECT_TRUE(TypeParam::check(setup, p).ok());
+  if constexpr (requires { p.linear; }) {
+    p.linear.k_lin = S(1e4);
+  } else {
+    p.k_lin = S(1e4);
+  }
+  EXPECT_EQ(TypeParam::check(setup, p).code, Status<S>::Code::unstable);
+}
+
+TYPED_TEST(SlidingLaws, FollowARelabellingAndReflectionOfTheAxes) {
+  using S = typename TypeParam::Scalar;
+  Mat3<S> R;
+  R << 0, -1, 0, 0, 0, 1, -1, 0, 0;  // determinant 1
+  const Setup<S> setup = ftc_4rw<S>();
+  Setup<S> turned = setup;
+  turned.vehicle.J_B = R * setup.vehicle.J_B * R.transpose();
+  turned.vehicle.D_B = R * setup.vehicle.D_B;
+  TypeParam one(setup, TypeParam::Params::defaults(setup)), other(turned, TypeParam::Params::defaults(turned));
+  const Detection<S> det = Detection<S>::none(setup.vehicle);
+  Random random(6);
+  for (int k = 0; k < 200; ++k) {
+    Measurement<S> y;
+    y.h_w = VecN<S>::Constant(4, S(0.3));
+    y.q_NB = quat_exp<S>(random.vector<S>(1));
+    y.omega_BN_B = random.vector<S>(0.1);
+    Estimate<S> x = Estimate<S>::healthy(y);
+    x.d_B = random.vector<S>(0.1);
+    Estimate<S> z = x;
+    z.q_NB.vec() = R * x.q_NB.vec();
+    z.omega_BN_B = R * x.omega_BN_B;
+    z.d_B = R * x.d_B;
+    const Allocation<S> last = Allocation<S>::idle(4);
+    const Vec3<S> tau = k == 0 ? one.start(x, det, {}).tau_B : one.step(x, det, {}, last).tau_B;
+    const Vec3<S> moved = k == 0 ? other.start(z, det, {}).tau_B : other.step(z, det, {}, last).tau_B;
+    ASSERT_LT((moved - R * tau).norm(), sizeof(S) == 8 ? 1e-12 : 1e-4) << k;
+  }
+}
+
+}  // namespace
+}  // namespace gyrostat::test

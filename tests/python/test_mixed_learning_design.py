@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: MIT
+"""Gain designs of mixed learning: published gains rebuilt, margins, random designs, and what the command line says."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import gyrostat as gs
+from gyrostat import papers
+from gyrostat.design import CHECKS, DESIGNS
+from gyrostat.design.learning_loop import LearningLoop, settling
+from gyrostat.design.mixed_learning import (
+    best_case,
+    conditions_hold,
+    design_observer,
+    design_sliding_mode,
+    observer_margins,
+    sliding_margins,
+)
+
+Array = NDArray[np.float64]
+
+J = np.array([[18.73, 1.0, 0.090], [1.0, 20.77, 0.092], [0.090, 0.092, 23.63]])
+K1 = np.array([[0.2159, 0.0062, 0.0006], [0.0062, 0.2285, 0.0006], [0.0006, 0.0006, 0.2462]])
+K2 = np.array([[4.8176, -0.2319, -0.0174], [-0.2319, 4.3444, -0.0160], [-0.0174, -0.0160, 3.8088]])
+DISTURBANCE = 2.4e-3
+
+
+def table(K1: Array = K1, K2: Array = K2, **changes: float) -> LearningLoop:
+    values: dict[str, Any] = {"now": 0.9, "before": 0.1, "keep": 0.99, "sign_gain": 0.005} | changes
+    return LearningLoop(J, 1e-3, K1, K2, **values)
+
+
+def command(*arguments: str) -> tuple[int, str, str]:
+    start = "from gyrostat.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", start, *arguments], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def random_inertia(rng: np.random.Generator, size: float) -> Array:
+    """Principal moments that satisfy the triangle inequality, in a random frame."""
+    masses = rng.uniform(0.2, 1.0, 3)
+    moments = masses.sum() - masses
+    frame, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    return np.asarray(size * frame @ np.diag(moments) @ frame.T)
+
+
+def test_the_published_gains_are_rebuilt() -> None:
+    loop = design_observer(J, 1e-3).loop
+    assert np.abs(loop.K_lin - K1).max() < 5.1e-5, "half a unit of the printed digits"
+    assert np.abs(loop.K - K2).max() < 5.1e-5
+    np.testing.assert_allclose(design_sliding_mode(J, 1e-3).loop.K, np.eye(3) / 0.99, rtol=1e-14, atol=1e-16)
+
+
+# set, P1, (m11, r12, m13, m14, m15), spectral radius: of an independent implementation
+COMPLIANT = design_observer(J, 1e-3, P1=88.2, sigma2=0.98, sigma1=0.02, theta1=0.005, theta2=0.99).loop
+PROPER = design_observer(J, 1e-3, P1=1.0, sigma1=0.1, theta1=0.005, theta2=0.99).loop
+SETS = {
+    "published, P1 = I": (table(), 1.0, (0.685, 80.0, 2.98e-4, -23.6, 2.6e-3), 0.994995),
+    "published, P1 = 81 I": (table(), 81.0, (0.685, None, 2.98e-4, -23.6, 2.6e-3), 0.994995),
+    "exchanged": (table(K2, K1), 1.0, (0.685, 3.29, 2.98e-4, 0.938, 2.6e-3), 0.998634),
+    "P1 = I": (PROPER, 1.0, (8.46e-3, 0.0, 2.98e-4, 0.996, 2.6e-3), 0.999281),
+    "compliant": (COMPLIANT, 88.2, (0.746, 0.0, 2.98e-4, 0.0154, 2.6e-3), 0.994985),
+    "six steps": (design_observer(J, 1e-3).loop, 81.0, (0.685, 0.0, 3e-4, 3e-4, 2.4e-3), 0.994984),
+}
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_margins_and_radius_of_the_known_sets(name: str) -> None:
+    loop, P1, expected, radius = SETS[name]
+    margins = observer_margins(loop, P1, disturbance=DISTURBANCE)
+    for value, wanted in zip(margins.values(), expected, strict=True):
+        if wanted is not None:
+            assert value == pytest.approx(wanted, rel=5e-3, abs=1e-12)
+    assert loop.spectral_radius() == pytest.approx(radius, abs=1.1e-6)
+    failing = {key for key, holds in conditions_hold(margins).items() if not holds}
+    known = {"published, P1 = I": {"r12", "m14"}, "published, P1 = 81 I": {"m14"}, "exchanged": {"r12"}}
+    assert failing == known.get(name, set())
+
+
+def test_the_residual_of_the_published_gains_is_the_rounding_of_the_table() -> None:
+    residual = observer_margins(table(), 81.0)["r12"]
+    assert residual == pytest.approx(1.87e-5, rel=0.01)
+    assert residual < 3 * 5e-5 / 4.3, "half a unit of the last digit in every entry"
+
+
+def test_the_design_values_of_the_defaults() -> None:
+    loop = design_observer(J, 1e-3).loop
+    assert (loop.keep, loop.before) == pytest.approx((0.98990, 0.02015), abs=1e-4)
+
+
+def test_margins_of_the_sliding_mode() -> None:
+    def printed(k_lin: float) -> dict[str, float]:
+        return sliding_margins(LearningLoop(J, 1e-3, k_lin * np.eye(3), np.eye(3), 0.99, 0.01, 0.99), J)
+
+    margins = printed(3.0)
+    assert list(margins.values()) == pytest.approx([5.0, 0.01, 2.98e-4, 0.990], rel=5e-3)
+    assert printed(0.01)["m33"] == pytest.approx(-0.98)
+    assert printed(1.0)["m33"] == pytest.approx(1.0), "as printed, without the gain"
+    assert design_sliding_mode(J, 1e-3, theta3=0.99).holds
+
+
+def test_the_published_share_of_the_past_error_fails_for_every_choice_of_the_constants() -> None:
+    margins, unit = best_case(table())
+    assert margins["m14"] == pytest.approx(-6.19, abs=0.01)
+    assert unit < 1.0
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        eps = tuple(10.0 ** rng.uniform(-4, 2, 3))
+        tried = observer_margins(table(), 81.0, eps=eps, eta=0.0, rate_unit=10.0 ** rng.uniform(-2, 1))
+        assert min(tried["m11"], tried["m13"], tried["m14"]) < 0.0
+    held, _ = best_case(table(before=0.02))
+    assert all(conditions_hold(held | {"m15": 1.0}).values())
+
+
+def test_300_random_designs_are_stable_when_every_condition_holds() -> None:
+    rng = np.random.default_rng(2)
+    held = 0
+    for _ in range(300):
+        size = 10.0 ** rng.uniform(0, 2.5)
+        inertia = random_inertia(rng, size)
+        design = design_observer(
+            inertia,
+            1e-3,
+            P1=size**2 * 10.0 ** rng.uniform(-3, -0.5),
+            sigma2=rng.uniform(0.3, 0.99),
+            eta=rng.uniform(0.0, 0.2),
+            K1_slack=10.0 ** rng.uniform(-3, 0),
+            eps=(10.0 ** rng.uniform(-4, -1), 10.0 ** rng.uniform(-4, -1), rng.uniform(0.1, 2.0)),
+            disturbance=1e-3,
+        )
+        if all(conditions_hold(design.margins).values()):
+            held += 1
+            assert design.loop.spectral_radius() < 1.0
+    assert held > 250
+
+
+def test_the_flight_check_computes_the_same_radius() -> None:
+    """Repeated squaring in C++ against eigenvalues of numpy; the message carries the number."""
+    scenario = papers.load("wang2023").cases["mlsmc"].scenario
+    rng = np.random.default_rng(3)
+    for delay in (1, 1, 1, 2, 5):
+        gain = J @ (np.eye(3) + 0.1 * rng.normal(size=(3, 3))) * rng.uniform(2000.0, 3000.0)
+        changed = {"observer.K1": gain.tolist(), "observer.delay": delay}
+        (row,) = [r for r in scenario.replace(**changed).check() if not r["ok"]]
+        loop = LearningLoop(J, 1e-3, gain, K2, 0.9, 0.1, 0.99, delay)
+        assert row["code"] == "unstable"
+        assert row["value"] == pytest.approx(loop.spectral_radius(), rel=1e-9 if delay == 1 else 1e-4)
+
+
+def test_a_delay_keeps_the_gain_and_scales_the_decay() -> None:
+    for delay in (2, 10):
+        loop = table(delay=delay, before=0.0, now=1.0)
+        assert loop.spectral_radius() == pytest.approx(1.0 - 0.01 / (2 * delay), abs=5e-5)
+        np.testing.assert_allclose(
+            loop.equilibrium(np.ones(3))[1], table(before=0.0, now=1.0).equilibrium(np.ones(3))[1]
+        )
+
+
+def test_the_closed_form_is_where_the_loop_ends() -> None:
+    for torque in ([0.1, -0.05, 0.02], [0.1, 0.0, 0.0], [0.002, 0.001, -0.003]):
+        push = np.array(torque)
+        error, learnt = table().equilibrium(push)
+        # the loop with its sign chatters about an axis that sticks, by dt theta1 / J times K2 / (1 - theta2)
+        late = table().response(push, 6000)[-2000:]
+        sticks = (np.abs(error) < 1e-12).any()
+        np.testing.assert_allclose(late.mean(axis=0), learnt, atol=1.5e-4 if sticks else 2e-5)
+        smooth = table(width=1e-5)
+        np.testing.assert_allclose(smooth.response(push, 20000)[-1], smooth.equilibrium(push)[1], atol=1e-9)
+        M = K2 / 0.01 + K1
+        assert (np.abs(push - M @ error) <= 0.005 + 1e-12).all()
+
+
+def test_the_flown_observer_ends_at_the_closed_form() -> None:
+    """At rest with the body held: a constant bias on each torquer, no disturbance, no inertia error."""
+    scenario = papers.load("wang2023").cases["mlsmc_warm"].scenario
+    faults = [{"type": "bias", "actuator": i, "torque": x} for i, x in enumerate((0.1, -0.05, 0.02))]
+    result = scenario.replace(
+        truth={}, disturbances=[], faults=faults, duration=200.0, initial={"q_NB": [1, 0, 0, 0]}
+    ).run(channels=["estimate.d_B"], every=100)
+    _, learnt = table().equilibrium(np.array([0.1, -0.05, 0.02]))
+    np.testing.assert_allclose(result["estimate.d_B"][-50:].mean(axis=0), learnt, atol=2e-5)
+
+
+def test_an_outlier_reaches_the_learnt_torque_through_the_shares() -> None:
+    """One sample of 0.01 rad/s: mixing takes less than a per cent off the peak."""
+
+    def peak(loop: LearningLoop) -> float:
+        state = np.zeros(6)
+        A = loop.matrix()
+        largest = 0.0
+        for k in range(400):
+            outlier = np.array([0.01, 0.0, 0.0]) if k == 0 else np.zeros(3)
+            learnt = state[3:] + loop.now * loop.K @ (state[:3] + outlier)
+            largest = max(largest, float(np.abs(learnt).max()))
+            state = A @ state
+            # an outlier is in the error that is learnt and corrected, not in the rate
+            push = loop.dt * np.linalg.solve(J, (loop.K_lin + loop.now * loop.K) @ outlier)
+            state[:3] -= push
+            state[3:] += (loop.keep * loop.now + loop.before) * loop.K @ outlier
+        return largest
+
+    mixed, repetitive = peak(table()), peak(table(now=1.0, before=0.0))
+    assert mixed == pytest.approx(0.0477, abs=5e-4)
+    assert repetitive == pytest.approx(0.0482, abs=5e-4)
+    assert 0.98 < mixed / repetitive < 1.0
+
+
+@pytest.mark.parametrize(
+    ("inertia", "dt", "wanted", "disturbance", "fault"),
+    [
+        (J.tolist(), 1e-3, 0.5, 2e-3, 0.1),
+        ([[20.0, 0.0, 0.9], [0.0, 17.0, 0.0], [0.9, 0.0, 15.0]], 0.01, 5.0, 0.0, 0.05),
+        ([0.01, 0.02, 0.015], 0.05, 6.0, 0.0, 1e-4),
+        ([2000.0, 3000.0, 1500.0], 0.1, 20.0, 0.01, 1.0),
+    ],
+)
+def test_a_designed_set_holds_everywhere_and_settles_when_flown(
+    inertia: Any, dt: float, wanted: float, disturbance: float, fault: float
+) -> None:
+    design = DESIGNS["mixed_learning"]
+    options = {"J_B": inertia, "dt": dt, "settling_time": wanted, "disturbance": disturbance, "fault": fault}
+    report = design.run(design.options(**options))
+    assert report.ok, [f.text for f in report.findings if f.ok is False]
+    named = {f.name: f for f in report.findings}
+    assert named["schur"].value is not None
+    assert named["schur"].value > 0.0
+    assert all(f.value is not None and f.value > 0.0 for f in report.findings if f.name.startswith("m"))
+    # flown: faults from 0 on every axis, the body at rest, the gains as they are pasted into a scenario
+    scenario = gs.Scenario(
+        vehicle=gs.Vehicle(J_B=inertia, D_B=np.eye(3).tolist()),
+        observer=report.components["observer"],
+        controller=report.components["controller"],
+        allocator="pseudo_inverse",
+        faults=[gs.faults.Bias(actuator=i, torque=fault) for i in range(3)],
+        integrator="rk4",
+        duration=4.0 * wanted,
+        dt=dt,
+    )
+    result = scenario.run(channels=["estimate.d_B", "error.angle"])
+    learnt = result["estimate.d_B"]
+    assert settling(learnt, np.full(3, fault), 0.025 * fault + 1.1 * disturbance, dt) <= wanted
+
+
+def test_what_cannot_be_designed_is_said() -> None:
+    design = DESIGNS["mixed_learning"]
+    slow = design.run(design.options(J_B=[1.0, 1.0, 1.0], dt=0.1, settling_time=1.0))
+    assert not slow.ok
+    assert slow.components == {}
+    assert "60 periods" in slow.findings[0].text
+    loud = design.run(design.options(J_B=[1.0, 1.0, 1.0], dt=0.01, disturbance=0.06, fault=0.1))
+    assert not loud.ok
+    assert "cannot be told from" in loud.findings[0].text
+    with pytest.raises(gs.InputError, match="positive definite"):
+        design_observer([[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]], 1e-3)
+
+
+def test_check_prints_every_margin_and_flags_the_published_gains() -> None:
+    scenario = papers.load("wang2023").cases["mlsmc"].scenario
+    found = {(f.where.split()[0], f.name): f for look in CHECKS for f in look(scenario)}
+    observer = {name: f.ok for (role, name), f in found.items() if role == "observer"}
+    assert observer == {"m11": True, "r12": True, "m13": True, "m14": False, "m15": None, "unit": None, "schur": True}
+    controller = {name: f.ok for (role, name), f in found.items() if role == "controller"}
+    assert controller == {"m33": True, "r34": True, "m35": True, "m36": True, "schur": True}
+    compliant = papers.load("wang2023").cases["mlo_compliant"].scenario
+    assert all(f.ok is not False for look in CHECKS for f in look(compliant))
+    default = gs.Scenario.load("ftc_4rw").replace(observer="mixed_learning", controller="mixed_learning_sliding_mode")
+    assert all(f.ok is not False for look in CHECKS for f in look(default))
+    assert not [f for f in CHECKS[0](gs.Scenario.load("ftc_4rw")) if "mixed" in f.where]
+
+
+def test_an_unstable_gain_set_is_refused_with_its_number_and_can_be_flown_on_request() -> None:
+    case = papers.load("wang2023").cases["mlo_integral"].scenario
+    refused = case.replace(allow_unstable=False)
+    with pytest.raises(gs.InputError, match=r"spectral radius of the sampled learning loop = 1\.00001, must be < 1"):
+        refused.run()
+    assert table(keep=1.0).spectral_radius() == pytest.approx(1.0000075836, abs=1e-9)
+    assert table(keep=1.0, now=1.0, before=0.0).spectral_radius() == pytest.approx(0.9999947910, abs=1e-9)
+    assert case.replace(duration=0.1).run(channels=["truth.q_NB"]).completed
+
+
+def test_the_command_line_designs() -> None:
+    code, text, _ = command("design")
+    assert code == 0
+    assert "mixed_learning_six_steps" in text
+    code, text, _ = command("design", "mixed_learning", "ftc_4rw", "--set", "settling_time=5", "--json")
+    found = json.loads(text)
+    assert (code, found["ok"]) == (0, True)
+    assert found["components"]["observer"]["type"] == "mixed_learning"
+    code, text, _ = command("design", "mixed_learning_six_steps", "--set", f"J_B={J.tolist()}", "--set", "sigma1=0.1")
+    assert code == 1
+    assert "fails: (14)" in text
+    assert "[observer]" in text
+    code, _, error = command("design", "mixed_lerning")
+    assert code == 2
+    assert "did you mean 'mixed_learning'" in error
+    code, _, error = command("design", "mixed_learning", "--set", "dt=0.01")
+    assert code == 2
+    assert "J_B is missing" in error
