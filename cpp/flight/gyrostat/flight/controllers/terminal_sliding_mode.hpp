@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+/// @file  Nonsingular fast terminal sliding mode in modified Rodrigues parameters.
+///
+///   s   = z2 + a z1 + b f(z1),   f = sig^g outside |z| < eta, smooth inside;   z1 = sigma_BR, z2 = sigma_BR'
+///   tau = feedforward + e x (J w + D h_w) - k_s sat(s / phi) - J G^-1 ( G' e + a z2 + b f' + k1 s + k2 sig^g2(s) ) - d_B
+///
+/// The standard form; it stands in for the law that Cao, Gong, Han 2022 compare with and give no equations of.
+/// Page: docs/components/terminal_sliding_mode.md
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/controllers/mrp_surface.hpp"
+#include "gyrostat/flight/stiffness.hpp"
+
+namespace gyrostat {
+
+template <class S>
+class TerminalSlidingMode {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "terminal_sliding_mode";
+  static constexpr bool switching = true;
+  static constexpr bool regulates = true;
+
+  struct Params {
+    S a = S(0.6);
+    S b = S(0.3);
+    S g = S(0.6);
+    S eta = S(0.01);
+    S k1 = S(1);
+    S k2 = S(0.2);
+    S g2 = S(0.6);
+    S k_s = S(0.02);
+    S phi = S(1e-3);
+    SwitchingDirection direction = SwitchingDirection::surface;
+    S shadow_switch = S(1);
+
+    static constexpr void describe(auto& p, auto&& field) {
+      field(p.a, Field{"a", "1/s", 0, 1e6, "linear rate on the surface"});
+      field(p.b, Field{"b", "1/s", 0, 1e6, "terminal rate on the surface, at |sigma| = 1"});
+      field(p.g, Field{"g", "", 0.01, 1, "power of the terminal part"});
+      field(p.eta, Field{"eta", "", 1e-9, 1, "MRP below which the power is replaced, so that its slope is finite"});
+      field(p.k1, Field{"k1", "1/s", 0, 1e6, "linear rate towards the surface"});
+      field(p.k2, Field{"k2", "s^(g2-2)", 0, 1e6, "gain of sig^g2(s)"});
+      field(p.g2, Field{"g2", "", 0.01, 1, "power of s"});
+      field(p.k_s, Field{"k_s", "N m", 0, 1e9, "switching torque"});
+      field(p.phi, Field{"phi", "1/s", 0, 1e3, "boundary layer of s; 0: sign(s)"});
+      field(p.direction,
+            Choice{"direction", "surface|matched", "of the switching torque: s, or J^-1 G' s, which always opposes s"});
+      field(p.shadow_switch, shadow_switch_field);
+    }
+
+    /// Rates in proportion to the frequency of the default stiffness.
+    static Params defaults(const Setup<S>& setup) noexcept {
+      const S f = default_stiffness(setup).frequency;
+      const S a = usable_torque(setup.vehicle);
+      Params p;
+      p.a = S(0.7) * f;
+      p.b = S(0.35) * f;
+      p.k1 = S(1.2) * f;
+      p.k2 = S(0.25) * f * std::pow(f, S(1) - p.g2);
+      p.k_s = S(0.05) * a;
+      p.phi = S(0.02) * std::sqrt(a / largest_inertia(setup.vehicle.J_B)) / S(4);
+      return p;
+    }
+  };
+
+  /// Sampled slopes: of the surface at z1 = 0, of the way to it at |s| = 1e-3 /s, and of the layer.
+  static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
+    const auto unstable = Status<S>::Code::unstable;
+    const S surface = (p.a + p.b * sig_core_slope(S(0), p.g, p.eta)) * setup.dt;
+    const S reach = (p.k1 + p.k2 * std::pow(S(1e-3), p.g2 - S(1))) * setup.dt;
+    const S J = smallest_inertia(setup.vehicle.J_B);
+    const S slope = p.phi > S(0) ? p.k_s / p.phi * setup.dt / (S(4) * J) : S(0);
+    return needs_body_coordinates(setup) &&
+           Status<S>::require(surface < S(1), "surface slope at zero * dt", surface, S(1), "<", unstable) &&
+           Status<S>::require(reach + slope < S(2), "(k1 + k2 slope at 1e-3) * dt + k_s / (4 J phi) * dt",
+                              reach + slope, S(2), "<", unstable);
+  }
+
+  TerminalSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+      : params_(params), surface_(setup.vehicle, params.k_s, params.phi, params.direction, params.shadow_switch) {}
+
+  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    surface_.start();
+    return demand(x, ref);
+  }
+  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                               const Allocation<S>&) noexcept {
+    return demand(x, ref);
+  }
+
+  void telemetry(auto&& log) const { log("s", s_); }
+
+ private:
+  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const MrpMotion<S> m = surface_.motion(x, ref);
+    Vec3<S> wanted;
+    for (int i = 0; i < 3; ++i) {
+      s_[i] = m.z2[i] + params_.a * m.z1[i] + params_.b * sig_core(m.z1[i], params_.g, params_.eta);
+      wanted[i] = (params_.a + params_.b * sig_core_slope(m.z1[i], params_.g, params_.eta)) * m.z2[i] +
+                  params_.k1 * s_[i] + params_.k2 * sig(s_[i], params_.g2);
+    }
+    Demand<S> out;
+    out.tau_B = surface_.torque_B(m, s_, wanted, x.d_B);
+    return out;
+  }
+
+  Params params_;
+  MrpSurface<S> surface_;
+  Vec3<S> s_ = Vec3<S>::Zero();  ///< 1/s
+};
+
+}  // namespace gyrostat

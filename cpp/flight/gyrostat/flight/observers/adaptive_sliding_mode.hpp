@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+/// @file  Adaptive sliding-mode observer of actuator effectiveness: gradient adaptation beside a switching correction.
+///
+///   J what' = -what x (J what + D h_w) + D diag(u) e + L w~ + rho sgn(w~),   w~ = w - what
+///   rho'    = k_rho |w~| where |w~| > dead_zone, at most rho_max;   e' = Proj[ gamma diag(u) D' w~ ] onto [e_min, 1]
+///
+/// The standard form; it stands in for the observer that Cao, Gong, Han 2022 compare with and give no equations of.
+/// Page: docs/components/adaptive_sliding_mode.md
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "gyrostat/core/params.hpp"
+#include "gyrostat/core/power.hpp"
+#include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/observers/rate_predictor.hpp"
+#include "gyrostat/flight/stiffness.hpp"
+
+namespace gyrostat {
+
+template <class S>
+class AdaptiveSlidingMode {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "adaptive_sliding_mode";
+  static constexpr bool axiswise = true;
+  static constexpr bool switching = true;
+
+  struct Params {
+    S gamma = S(100);
+    Vec3<S> L = Vec3<S>::Constant(S(200));
+    S k_rho = S(1);
+    S rho_max = S(0.05);
+    S dead_zone = S(2e-3);
+    S e_min = S(1e-4);
+
+    static constexpr void describe(auto& p, auto&& field) {
+      field(p.gamma, Field{"gamma", "1/(N m rad)", 0, 1e12, "rate of adaptation"});
+      field(p.L, Field{"L", "N m s", 0, 1e9, "correction of the predicted rate"});
+      field(p.k_rho, Field{"k_rho", "N m/rad", 0, 1e9, "rate of the switching gain"});
+      field(p.rho_max, Field{"rho_max", "N m", 0, 1e9, "largest switching gain"});
+      field(p.dead_zone, Field{"dead_zone", "rad/s", 0, 1e3, "rate errors up to this leave the switching gain alone"});
+      field(p.e_min, Field{"e_min", "", 0, 1, "smallest estimate"});
+    }
+
+    /// L makes the rate error forget a tenth a period; gamma gives e the time constant of a hundred periods under a third of
+    /// the usable torque; the switching gain is a percent of it.
+    static Params defaults(const Setup<S>& setup) noexcept {
+      const S a = usable_torque(setup.vehicle), J = smallest_inertia(setup.vehicle.J_B);
+      Params p;
+      p.L.setConstant(S(0.1) * J / setup.dt);
+      p.gamma = S(0.01) / setup.dt * p.L[0] * S(9) / (a * a);
+      p.rho_max = S(0.01) * a;
+      p.dead_zone = S(0.5) * a * setup.dt / J;
+      p.k_rho = S(1) / setup.dt * p.rho_max * S(0.01) / p.dead_zone;
+      return p;
+    }
+  };
+
+  /// Sampled, an axis with l = L dt / J and g = gamma u^2 dt^2 / J has z^2 - (2 - l - g) z + 1 - l under a steady command and
+  /// z^2 - (l - g) z - (1 - l) under one that alternates: inside the unit circle (Jury) for g < 4 - 2 l and for g < 2 l. Held
+  /// here to the largest command that flight knows.
+  static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
+    const auto unstable = Status<S>::Code::unstable;
+    const S least = smallest_inertia(setup.vehicle.J_B), most = largest_inertia(setup.vehicle.J_B);
+    S u = S(0);
+    for (int i = 0; i < setup.vehicle.actuators(); ++i) {
+      const S limit = std::max(setup.vehicle.u_up[i], -setup.vehicle.u_lo[i]);
+      u = std::max(u, std::isfinite(limit) ? limit : usable_torque(setup.vehicle));
+    }
+    const S decay = p.L.maxCoeff() * setup.dt / least;
+    const S drive = p.gamma * u * u * setup.dt * setup.dt / least;
+    const S damping = S(2) * p.L.minCoeff() * setup.dt / most;
+    return needs_body_coordinates(setup) &&
+           Status<S>::require(decay < S(1), "L * dt / J", decay, S(1), "<", unstable) &&
+           Status<S>::require(drive < damping, "gamma (u_max dt)^2 / J against 2 L dt / J", drive, damping, "<",
+                              unstable);
+  }
+
+  AdaptiveSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+      : D_B_(setup.vehicle.D_B), dt_(setup.dt), params_(params), predict_(setup) {
+    effectiveness_.setOnes(setup.vehicle.actuators());
+  }
+
+  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
+    omega_hat_ = y.omega_BN_B;
+    h_w_B_ = torque<S>(D_B_, y.h_w);
+    error_.setZero();
+    injection_.setZero();
+    rho_.setZero();
+    effectiveness_.setOnes();
+    return estimate(y);
+  }
+
+  /// Every later sample: Euler steps; the regressor is the command that acted over the interval just ended.
+  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    const Vec3<S> h_w_B = torque<S>(D_B_, y.h_w);
+    const Vec3<S> torque_B = torque<S>(D_B_, effectiveness_.cwiseProduct(last.u)) + injection_;
+    omega_hat_ = predict_(omega_hat_, torque_B, h_w_B_, h_w_B);
+    h_w_B_ = h_w_B;
+    error_ = y.omega_BN_B - omega_hat_;
+    for (Eigen::Index i = 0; i < D_B_.cols(); ++i) {
+      const S e = effectiveness_[i] + dt_ * params_.gamma * last.u[i] * D_B_.col(i).dot(error_);
+      effectiveness_[i] = e < params_.e_min ? params_.e_min : (e > S(1) ? S(1) : e);
+    }
+    for (int a = 0; a < 3; ++a) {
+      const S size = std::abs(error_[a]);
+      if (size > params_.dead_zone) rho_[a] = std::min(rho_[a] + dt_ * params_.k_rho * size, params_.rho_max);
+    }
+    injection_ = params_.L.cwiseProduct(error_) + rho_.cwiseProduct(sgn(error_));
+    return estimate(y);
+  }
+
+  void telemetry(auto&& log) const {
+    log("rate_error", error_);
+    log("rho", rho_);
+  }
+
+ private:
+  Estimate<S> estimate(const Measurement<S>& y) const noexcept {
+    Estimate<S> x = Estimate<S>::healthy(y);
+    x.effectiveness = effectiveness_;
+    return x;
+  }
+
+  Mat3N<S> D_B_;
+  S dt_;
+  Params params_;
+  RatePredictor<S> predict_;
+  VecN<S> effectiveness_;
+  Vec3<S> omega_hat_ = Vec3<S>::Zero();
+  Vec3<S> h_w_B_ = Vec3<S>::Zero();
+  Vec3<S> error_ = Vec3<S>::Zero();      ///< rad/s, w~
+  Vec3<S> rho_ = Vec3<S>::Zero();        ///< N m
+  Vec3<S> injection_ = Vec3<S>::Zero();  ///< N m, held since the previous sample
+};
+
+}  // namespace gyrostat

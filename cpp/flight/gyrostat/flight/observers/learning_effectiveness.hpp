@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+/// @file  Learning observer of actuator effectiveness, in the form that learns: the direction of the input, no leak.
+///
+///   J what' = -what x (J what + D h_w) + D diag(u) e + inj,   inj = M w~ + n sgn(w~),   w~ = w - what
+///   r[k]    = J (w~[k] - w~[k-1]) / dt + inj[k-1]                    = V e~ + d,  V = D diag(u[k-1])
+///   e      += kappa V' (V V' + u0^2 I)^-1 r,   clipped to [e_min, 1];   actuators with |u| <= u_exc hold theirs
+///
+/// Source: Cao, Gong, Han 2022, eq. (7)-(8), with l = 1, H1 = -H2 along the regressor and the known injection added back; for
+/// three orthogonal actuators kappa u / (u^2 + u0^2) an axis. Page: docs/components/learning_effectiveness.md
+#pragma once
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+#include "gyrostat/core/params.hpp"
+#include "gyrostat/core/power.hpp"
+#include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/observers/effectiveness_confidence.hpp"
+#include "gyrostat/flight/observers/rate_predictor.hpp"
+#include "gyrostat/flight/stiffness.hpp"
+
+namespace gyrostat {
+
+/// Nothing is put into d_B: a torque that no command explains biases the estimate by |d| / |u|, which `torque_error` bounds.
+template <class S>
+class LearningEffectiveness {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "learning_effectiveness";
+  static constexpr bool axiswise = true;
+  static constexpr bool switching = true;  ///< holds below u_exc, sign of w~ where n > 0
+
+  struct Params {
+    S kappa = S(0.03);
+    S u0 = S(0.3);
+    S u_exc = S(0.3);
+    S e_min = S(1e-4);
+    Vec3<S> M = Vec3<S>::Constant(S(50));
+    S n = S(0);
+    S torque_error = S(0.3);
+    S memory = S(30);
+    S unknown_above = S(0.5);
+
+    static constexpr void describe(auto& p, auto&& field) {
+      constexpr double infinite = std::numeric_limits<double>::infinity();
+      field(p.kappa, Field{"kappa", "", 1e-6, 2, "share of the residual that is learned a sample"});
+      field(p.u0, Field{"u0", "N m", 1e-12, 1e9, "command at which learning has half its rate"});
+      field(p.u_exc, Field{"u_exc", "N m", 0, 1e9, "commands up to this one teach nothing: the estimate is held"});
+      field(p.e_min, Field{"e_min", "", 0, 1, "smallest estimate"});
+      field(p.M, Field{"M", "N m s", 0, 1e9, "correction of the predicted rate"});
+      field(p.n, Field{"n", "N m", 0, 1e9, "its switching part"});
+      field(p.torque_error, Field{"torque_error", "N m", 1e-12, 1e9, "bound of what no command explains"});
+      field(p.memory, Field{"memory", "s", 1e-3, infinite, "after so long without excitation nothing is known"});
+      field(p.unknown_above, Field{"unknown_above", "", 1e-3, 1, "half-width from which the bound is infinite"});
+    }
+
+    /// Commands of 1.5 % of the usable torque are noise; what they hide is the torque error. The memory is a hundred time
+    /// constants dt / kappa.
+    static Params defaults(const Setup<S>& setup) noexcept {
+      Params p;
+      p.u0 = S(0.015) * usable_torque(setup.vehicle);
+      p.u_exc = p.torque_error = p.u0;
+      p.M.setConstant(S(0.03) / setup.dt * smallest_inertia(setup.vehicle.J_B));
+      p.memory = S(100) * setup.dt / p.kappa;
+      return p;
+    }
+  };
+
+  /// Learning contracts for kappa < 2 whatever the commands, since V' (V V' + u0^2)^-1 V has its eigenvalues in [0, 1).
+  static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
+    const auto unstable = Status<S>::Code::unstable;
+    const S J = smallest_inertia(setup.vehicle.J_B);
+    return needs_body_coordinates(setup) && Status<S>::require(p.kappa < S(2), "kappa", p.kappa, S(2), "<", unstable) &&
+           Status<S>::require(p.M.maxCoeff() * setup.dt < S(2) * J, "M * dt", p.M.maxCoeff() * setup.dt, S(2) * J, "<",
+                              unstable);
+  }
+
+  LearningEffectiveness(const Setup<S>& setup, const Params& params) noexcept
+      : D_B_(setup.vehicle.D_B),
+        J_over_dt_(setup.vehicle.J_B / setup.dt),
+        params_(params),
+        predict_(setup),
+        confidence_(setup.vehicle.actuators(), params.torque_error, setup.dt / params.memory) {
+    effectiveness_.setOnes(setup.vehicle.actuators());
+  }
+
+  /// First sample: no interval has passed, so nothing is learned; healthy, and not known to be.
+  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
+    omega_hat_ = y.omega_BN_B;
+    h_w_B_ = torque<S>(D_B_, y.h_w);
+    error_.setZero();
+    injection_.setZero();
+    effectiveness_.setOnes();
+    confidence_.start();
+    return estimate(y);
+  }
+
+  /// Every later sample. The regressor is the command that acted over the interval just ended.
+  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    const Vec3<S> h_w_B = torque<S>(D_B_, y.h_w);
+    const Vec3<S> torque_B = torque<S>(D_B_, effectiveness_.cwiseProduct(last.u)) + injection_;
+    omega_hat_ = predict_(omega_hat_, torque_B, h_w_B_, h_w_B);
+    h_w_B_ = h_w_B;
+    const Vec3<S> error = y.omega_BN_B - omega_hat_;
+    learn(J_over_dt_ * (error - error_) + injection_, last.u);
+    error_ = error;
+    injection_ = params_.M.cwiseProduct(error) + params_.n * sgn(error);
+    return estimate(y);
+  }
+
+  void telemetry(auto&& log) const {
+    log("rate_error", error_);
+    VecN<S> information(effectiveness_.size());
+    for (int i = 0; i < information.size(); ++i) information[i] = confidence_.information(i);
+    log("information", information);
+  }
+
+ private:
+  void learn(const Vec3<S>& residual_B, const VecN<S>& u) noexcept {
+    confidence_.grow();
+    Mat3N<S> V = D_B_;
+    bool excited = false;
+    for (int i = 0; i < V.cols(); ++i) {
+      const bool moves = std::abs(u[i]) > params_.u_exc;
+      V.col(i) *= moves ? u[i] : S(0);
+      excited = excited || moves;
+    }
+    if (!excited) return;
+    confidence_.doubt(V, residual_B);
+    Mat3<S> VVt = params_.u0 * params_.u0 * Mat3<S>::Identity();
+    for (Eigen::Index i = 0; i < V.cols(); ++i) VVt += V.col(i) * V.col(i).transpose();
+    const Mat3<S> inverse = VVt.inverse();
+    Mat3N<S> K_transposed(3, V.cols());
+    for (Eigen::Index i = 0; i < V.cols(); ++i) {
+      K_transposed.col(i) = params_.kappa * (inverse * V.col(i));
+      if (std::abs(u[i]) <= params_.u_exc) continue;  // held to the bit
+      const S moved = effectiveness_[i] + K_transposed.col(i).dot(residual_B);
+      effectiveness_[i] = moved < params_.e_min ? params_.e_min : (moved > S(1) ? S(1) : moved);
+    }
+    confidence_.learn(K_transposed, V, (S(2) - params_.kappa) / params_.kappa);
+  }
+
+  Estimate<S> estimate(const Measurement<S>& y) const noexcept {
+    Estimate<S> x = Estimate<S>::healthy(y);
+    x.effectiveness = effectiveness_;
+    for (int i = 0; i < effectiveness_.size(); ++i) {
+      const S half = confidence_.half_width(i);
+      if (half < params_.unknown_above && effectiveness_[i] > S(0)) x.effectiveness_bound[i] = half / effectiveness_[i];
+    }
+    return x;
+  }
+
+  Mat3N<S> D_B_;
+  Mat3<S> J_over_dt_;
+  Params params_;
+  RatePredictor<S> predict_;
+  EffectivenessConfidence<S> confidence_;
+  VecN<S> effectiveness_;
+  Vec3<S> omega_hat_ = Vec3<S>::Zero();  ///< rad/s
+  Vec3<S> h_w_B_ = Vec3<S>::Zero();      ///< N m s, wheels at the previous sample
+  Vec3<S> error_ = Vec3<S>::Zero();      ///< rad/s, w~
+  Vec3<S> injection_ = Vec3<S>::Zero();  ///< N m, held since the previous sample
+};
+
+}  // namespace gyrostat

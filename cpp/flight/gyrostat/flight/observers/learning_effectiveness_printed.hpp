@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+/// @file  Learning observer of actuator effectiveness as it was printed, for the record: it does not estimate the fault.
+///
+///   J what' = -what x (J what + D h_w) + D diag(u) e + M w~ + n sgn(w~),   w~ = w - what
+///   e[k]    = clip( l e[k-nd] + D' (H1 w~[k] + H2 w~[k-nd]), e_min, 1 ),   nd = round(delay / dt)
+///
+/// Source: Cao, Gong, Han 2022, eq. (7)-(8). The learning term lacks the direction of the command, l < 1 leaks, and n hides every
+/// torque deficit below it. Page: docs/components/learning_effectiveness_printed.md
+#pragma once
+#include <cmath>
+#include <limits>
+
+#include "gyrostat/core/params.hpp"
+#include "gyrostat/core/power.hpp"
+#include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/delay_line.hpp"
+#include "gyrostat/flight/observers/rate_predictor.hpp"
+#include "gyrostat/flight/stiffness.hpp"
+
+namespace gyrostat {
+
+/// It has no measure of its own quality: its bound stays infinite.
+template <class S>
+class LearningEffectivenessPrinted {
+ public:
+  using Scalar = S;
+  static constexpr const char* name = "learning_effectiveness_printed";
+  static constexpr bool axiswise = true;
+  static constexpr bool switching = true;
+
+  enum class Direction : std::uint8_t { none, command };
+
+  struct Params {
+    S l = S(0.9);
+    Vec3<S> H1 = Vec3<S>::Constant(S(10));
+    Vec3<S> H2 = Vec3<S>::Constant(S(10));
+    Vec3<S> M = Vec3<S>::Constant(S(50));
+    S n = S(0);
+    S layer = S(0);
+    S delay = S(0.01);
+    S e_min = S(1e-4);
+    Direction direction = Direction::none;
+    S u_exc = S(0.3);
+
+    static constexpr void describe(auto& p, auto&& field) {
+      field(p.l, Field{"l", "", 0, 1, "share of the earlier estimate that is kept; below 1 it leaks"});
+      field(p.H1, Field{"H1", "s/rad", -1e9, 1e9, "gain of the rate error"});
+      field(p.H2, Field{"H2", "s/rad", -1e9, 1e9, "gain of the earlier rate error"});
+      field(p.M, Field{"M", "N m s", 0, 1e9, "correction of the predicted rate"});
+      field(p.n, Field{"n", "N m", 0, 1e9, "its switching part"});
+      field(p.layer, Field{"layer", "rad/s", 0, 1e3, "boundary layer of the switching part; 0: sign, as printed"});
+      field(p.delay, Field{"delay", "s", 1e-9, 1e6, "how long ago the earlier values are, a whole number of periods"});
+      field(p.e_min, Field{"e_min", "", 0, 1, "smallest estimate"});
+      field(p.direction, Choice{"direction", "none|command",
+                                "of the learning term: none as printed; sign of the command, held below u_exc"});
+      field(p.u_exc, Field{"u_exc", "N m", 0, 1e9, "smallest command that teaches, with direction = command"});
+    }
+
+    /// Not the printed numbers, which make every loop a relay: no leak, the direction of the command, no switching part; the
+    /// estimate closes a hundredth of its error a period under the usable torque.
+    static Params defaults(const Setup<S>& setup) noexcept {
+      const S a = usable_torque(setup.vehicle), J = smallest_inertia(setup.vehicle.J_B);
+      Params p;
+      p.l = S(1);
+      p.direction = Direction::command;
+      p.delay = setup.dt;
+      p.M.setConstant(S(0.1) / setup.dt * J);
+      p.H1 = S(0.01) / a * p.M;
+      p.H2.setZero();
+      p.u_exc = S(0.015) * a;
+      return p;
+    }
+  };
+
+  /// The prediction must be stable by itself, the delay a whole number of periods.
+  static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
+    const S J = smallest_inertia(setup.vehicle.J_B);
+    const S periods = p.delay / setup.dt;
+    return needs_body_coordinates(setup) &&
+           Status<S>::require(std::abs(periods - std::round(periods)) < S(1e-3), "delay / dt off a whole number",
+                              std::abs(periods - std::round(periods)), S(1e-3)) &&
+           Status<S>::require(periods > S(0.5), "delay / dt", periods, S(1), ">=") &&
+           Status<S>::require(periods < S(max_delay) + S(0.5), "delay / dt", periods, S(max_delay), "<=") &&
+           Status<S>::require(p.M.maxCoeff() * setup.dt < S(2) * J, "M * dt", p.M.maxCoeff() * setup.dt, S(2) * J, "<",
+                              Status<S>::Code::unstable);
+  }
+
+  LearningEffectivenessPrinted(const Setup<S>& setup, const Params& params) noexcept
+      : D_B_(setup.vehicle.D_B),
+        params_(params),
+        predict_(setup),
+        past_(static_cast<int>(std::lround(params.delay / setup.dt)), healthy(setup.vehicle.actuators())) {}
+
+  /// First sample: before it the estimate was one and the rate error zero. The printed recursion already applies.
+  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
+    omega_hat_ = y.omega_BN_B;
+    h_w_B_ = torque<S>(D_B_, y.h_w);
+    injection_.setZero();
+    past_.fill(healthy(static_cast<int>(D_B_.cols())));
+    return learn(y, VecN<S>::Zero(D_B_.cols()));
+  }
+
+  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    const Vec3<S> h_w_B = torque<S>(D_B_, y.h_w);
+    const Vec3<S> torque_B = torque<S>(D_B_, effectiveness_.cwiseProduct(last.u)) + injection_;
+    omega_hat_ = predict_(omega_hat_, torque_B, h_w_B_, h_w_B);
+    h_w_B_ = h_w_B;
+    return learn(y, last.u);
+  }
+
+  void telemetry(auto&& log) const { log("rate_error", error_); }
+
+ private:
+  struct Past {
+    VecN<S> effectiveness;
+    Vec3<S> error;
+  };
+  static Past healthy(int n) noexcept { return {VecN<S>::Ones(n), Vec3<S>::Zero()}; }
+
+  Estimate<S> learn(const Measurement<S>& y, const VecN<S>& u) noexcept {
+    error_ = y.omega_BN_B - omega_hat_;
+    const Past& past = past_.oldest();
+    const Vec3<S> lesson = params_.H1.cwiseProduct(error_) + params_.H2.cwiseProduct(past.error);
+    const VecN<S> earlier = past.effectiveness;
+    effectiveness_.resize(D_B_.cols());
+    for (Eigen::Index i = 0; i < D_B_.cols(); ++i) {
+      const S pull = D_B_.col(i).dot(lesson);
+      S e = params_.l * earlier[i] + pull;
+      if (params_.direction == Direction::command)
+        e = std::abs(u[i]) > params_.u_exc ? params_.l * earlier[i] + sgn(u[i]) * pull : earlier[i];
+      effectiveness_[i] = e < params_.e_min ? params_.e_min : (e > S(1) ? S(1) : e);
+    }
+    past_.push({effectiveness_, error_});
+    injection_ = params_.M.cwiseProduct(error_) + params_.n * layer(error_, params_.layer);
+    Estimate<S> x = Estimate<S>::healthy(y);
+    x.effectiveness = effectiveness_;
+    return x;
+  }
+
+  Mat3N<S> D_B_;
+  Params params_;
+  RatePredictor<S> predict_;
+  DelayLine<Past> past_;
+  VecN<S> effectiveness_;
+  Vec3<S> omega_hat_ = Vec3<S>::Zero();
+  Vec3<S> h_w_B_ = Vec3<S>::Zero();
+  Vec3<S> error_ = Vec3<S>::Zero();      ///< rad/s, w~
+  Vec3<S> injection_ = Vec3<S>::Zero();  ///< N m, held since the previous sample
+};
+
+}  // namespace gyrostat

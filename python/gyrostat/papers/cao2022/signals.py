@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: MIT
+"""Quantities of the cao2022 claims that are computed from channels, and how its campaigns sample."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrostat import metrics
+from gyrostat.results import Result
+
+Array = NDArray[np.float64]
+
+FAULTS = (5.0, 8.0, 10.0)
+"""s, onset of the fault of each wheel."""
+
+
+def effectiveness_now(result: Result) -> Array:
+    """True effectiveness over the interval just ended; healthy at the first sample."""
+    e = result["truth.effectiveness"].copy()
+    e[0] = 1.0
+    return e
+
+
+def effectiveness_error(result: Result) -> Array:
+    """Effectiveness less its estimate."""
+    return effectiveness_now(result) - result["estimate.effectiveness"]
+
+
+def shadow_error(result: Result) -> Array:
+    """Effectiveness less the estimate of the observer that only looks on."""
+    return effectiveness_now(result) - result["shadow0.estimate.effectiveness"]
+
+
+def inertia_error(result: Result) -> Array:
+    """Estimate less the effectiveness over 1.1: what an inertia 10 % larger than known looks like."""
+    return result["estimate.effectiveness"] - effectiveness_now(result) / 1.1
+
+
+def breach(result: Result) -> Array:
+    """1 where the error is larger than the bound the observer gives for it, 0 where it is not, or no bound is given."""
+    bound = result["estimate.effectiveness_bound"] * result["estimate.effectiveness"]
+    return (np.abs(effectiveness_error(result)) > bound).astype(float)
+
+
+def unknown(result: Result) -> Array:
+    """1 where the observer says that it does not know an actuator."""
+    return np.isinf(result["estimate.effectiveness_bound"]).astype(float)
+
+
+def attitude(result: Result) -> Array:
+    """|sigma| of the short way, one column."""
+    return np.asarray(np.linalg.norm(result["truth.mrp"], axis=1, keepdims=True), dtype=np.float64)
+
+
+def rate(result: Result) -> Array:
+    """|omega|, rad/s, one column."""
+    return np.asarray(np.linalg.norm(result["truth.omega_BN_B"], axis=1, keepdims=True), dtype=np.float64)
+
+
+def recovery(result: Result, *, signal: Array, band: float, after: float, until: float = np.inf) -> float:
+    """Time from a fault until the signal stays inside a band, s; the sample at the fault is before it."""
+    if result.end_time < float(result.description["duration"]) - 1e-9:
+        raise ValueError(f"the run ended at {result.end_time:g} s")
+    part = (result.t > after + 1e-9) & (result.t <= until + 1e-9)
+    return metrics.settling_time(result.t[part], signal[part], band, after) - after
+
+
+def at(result: Result, *, signal: Array, time: float) -> float:
+    """The value at a sample."""
+    return float(signal[int(np.argmin(np.abs(result.t - time)))])
+
+
+def random_attitude(rng: np.random.Generator, *, norm: list[float], rate: float = 0.0) -> dict[str, Any]:
+    """Sample an initial state: each rate normal with a deviation, rad/s, and an attitude of an MRP norm in a range.
+
+    Up to 1 the attitude is of Haar measure; beyond, the long way round, the norm is uniform along a random axis.
+    """
+    low, high = norm
+    if low >= 1.0:
+        axis = rng.standard_normal(3)
+        sigma = rng.uniform(low, high) * axis / np.linalg.norm(axis)
+    else:
+        sigma = np.full(3, np.inf)
+        while not low <= np.linalg.norm(sigma) <= high:
+            q = rng.standard_normal(4)
+            q /= np.linalg.norm(q)
+            sigma = q[1:] / (1.0 + abs(q[0]))
+    omega = rate * rng.standard_normal(3)
+    return {"initial": {"mrp": [float(x) for x in sigma], "omega_BN_B": [float(x) for x in omega]}}
+
+
+def disturbance(result: Result) -> Array:
+    """The printed disturbance, N m, from time and true rate."""
+    t = result.t
+    waves = np.column_stack([np.sin(0.8 * t), np.cos(0.5 * t), np.cos(0.3 * t)])
+    return np.asarray(0.01 * (np.sum(result["truth.omega_BN_B"] ** 2, axis=1, keepdims=True) + 0.05) * waves)
+
+
+SIGNALS = {
+    f.__name__: f
+    for f in (effectiveness_error, shadow_error, inertia_error, breach, unknown, attitude, rate, effectiveness_now)
+}
+METRICS = {f.__name__: f for f in (recovery, at)}
+SAMPLERS = {"random_attitude": random_attitude}

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: MIT
+"""Cao, Gong, Han 2022, end to end: the data are the printed ones, the claims hold, the checks find what they must."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import gyrostat as gs
+from gyrostat import design, papers
+from gyrostat.design import learning_effectiveness, predefined_time
+from gyrostat.papers.cao2022 import signals
+
+Array = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder that ``gyrostat reproduce cao2022 --out`` leaves, with its JSON output in ``out.json``."""
+    folder = tmp_path_factory.mktemp("report")
+    start = "from gyrostat.cli import main; main()"
+    command = [sys.executable, "-c", start, "reproduce", "cao2022", "--json", "--out", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    (folder / "out.json").write_text(done.stdout)
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr
+    return folder
+
+
+@pytest.fixture(scope="module")
+def claims(report: Path) -> dict[str, Any]:
+    """What ``--json`` printed."""
+    return json.loads((report / "out.json").read_text())
+
+
+def case(name: str) -> gs.Scenario:
+    return papers.load("cao2022").cases[name].scenario
+
+
+def test_every_claim_is_accepted(claims: dict[str, Any]) -> None:
+    assert [c["id"] for c in claims["claims"] if not c["ok"]] == []
+    assert claims["passed"] == len(claims["claims"]) > 160
+
+
+def test_published_statements_that_do_not_hold_are_reported_as_such(claims: dict[str, Any]) -> None:
+    verdicts = {c["id"]: c["verdict"] for c in claims["claims"]}
+    for claim in ("ctrl.settling_1e-3", "repaired.recovery_2", "mc.within_20@any"):
+        assert verdicts[claim] == "reproduces"
+    for claim in ("literal.rmse_0", "asmo.recovery_0", "nofloor.late", "mc.within_20_limit5", "open.end_0"):
+        assert verdicts[claim] == "does not reproduce"
+
+
+def test_the_report_has_every_figure_and_every_run(report: Path) -> None:
+    paper = papers.load("cao2022")
+    names = {f.name for f in paper.figures}
+    assert {f"fig{i}" for i in range(2, 8)} < names
+    for name in names:
+        assert (report / "cao2022" / f"{name}.png").stat().st_size > 10_000
+        with np.load(report / "cao2022" / f"{name}.npz") as file:
+            for signal in set(file.files) - {"units"}:
+                assert np.ptp(file[signal]) > 0.0, f"{name}: {signal} is constant"
+    runs = 0
+    for campaign in paper.campaigns.values():
+        rows = list(csv.DictReader((report / "cao2022" / f"{campaign.id}.csv").read_text().splitlines()))
+        assert len(rows) == campaign.runs
+        norms = [math.hypot(*(float(r[f"mrp_{i}"]) for i in range(3))) for r in rows]
+        low, high = campaign.arguments["norm"]
+        assert low <= min(norms) <= max(norms) <= high
+        runs += len(rows)
+    assert runs == 1100
+
+
+def test_campaigns_draw_the_same_samples_for_every_variant() -> None:
+    campaigns = papers.load("cao2022").campaigns
+    one, other = (campaigns[c].samples() for c in ("any", "any_free"))
+    assert [s.initial for s in one] == [s.initial for s in other]
+    assert len({str(s.initial) for s in one}) == len(one)
+
+
+def test_mistakes_in_a_campaign_are_named(tmp_path: Path) -> None:
+    source = Path(papers.__file__).parent / "cao2022"
+    study = tmp_path / "copy"
+    (study / "scenarios").mkdir(parents=True)
+    for path in source.glob("scenarios/*.toml"):
+        (study / "scenarios" / path.name).write_text(path.read_text())
+    (study / "signals.py").write_text((source / "signals.py").read_text())
+    text = (source / "claims.toml").read_text()
+    for old, new, words in [
+        ('sampler = "random_attitude"', 'sampler = "random_attitud"', "did you mean 'random_attitude'"),
+        ("arguments = { norm", "arguments = { nrm", "nrm"),
+        ('like = "campaign_base"', 'like = "campaign_bas"', "did you mean 'campaign_base'"),
+        ('signal = "settling", level', 'signal = "setling", level', "setling"),
+    ]:
+        (study / "claims.toml").write_text(text.replace(old, new, 1))
+        with pytest.raises(gs.InputError, match=words):
+            papers.load(str(study))
+
+
+def test_the_samples_are_of_haar_measure() -> None:
+    rng = np.random.default_rng(1)
+    angles = []
+    for _ in range(2000):
+        mrp = signals.random_attitude(rng, norm=[0.0, 1.0])["initial"]["mrp"]
+        angles.append(4.0 * math.atan(math.hypot(*mrp)))
+    # Haar measure has the density (1 - cos phi) / pi, so the mean pi/2 + 2/pi; standard error of 2000: 0.015 rad.
+    assert np.mean(angles) == pytest.approx(math.pi / 2 + 2 / math.pi, abs=0.06)
+
+
+def test_faults_and_disturbance_are_the_printed_functions() -> None:
+    names = ["truth.effectiveness", "truth.external_B", "truth.omega_BN_B"]
+    result = case("case2_ptc").replace(duration=20.0).run(channels=names)
+    t = result.t[1:]
+    before = t - 1e-6
+    e = result["truth.effectiveness"][1:]
+    np.testing.assert_array_equal(e[:, 0], np.where(before < 5.0, 1.0, 0.8))
+    np.testing.assert_array_equal(e[:, 1], np.where(before < 8.0, 1.0, 0.6))
+    np.testing.assert_allclose(e[:, 2], np.where(before < 10.0, 1.0, 0.4 + 0.05 * np.cos(0.25 * t)), rtol=1e-12)
+    np.testing.assert_allclose(result["truth.external_B"], signals.disturbance(result), rtol=0, atol=1e-15)
+
+
+# ---- checks ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_printed_gains_violate_theorem_1_whatever_is_left_free() -> None:
+    findings = {f.name: f for f in learning_effectiveness.findings(case("case1_literal"))}
+    assert (findings["c1"].value, findings["c1"].ok) == (-176.0, False)
+    assert (findings["c3"].value, findings["c3"].ok) == (-399.0, False)
+    assert not findings["c1 with c2"].ok
+    margins = learning_effectiveness.learning_margins([80, 50, 60], [8, 15, 12], [20, 3, 8], kept=0.9, u_max=20.0)
+    assert margins.a7_least == pytest.approx(852.6, abs=0.05)
+    assert margins.c1_with_c2 < -655.0
+    assert not margins.feasible
+    assert learning_effectiveness.learning_margins(
+        [80, 50, 60], [5, 5, 5], [0.5, 0.5, 0.5], kept=0.9, u_max=1.0
+    ).feasible
+    assert learning_effectiveness.findings(case("case1_repaired")) == []
+
+
+def test_gyrostat_check_rejects_table_1() -> None:
+    start = "from gyrostat.cli import main; main()"
+    scenario = case("case1_literal")
+    findings = [f for look in design.CHECKS for f in look(scenario)]
+    assert any(f.name == "c1" and f.ok is False for f in findings)
+    done = subprocess.run(
+        [sys.executable, "-c", start, "check", "cao2022/attitude"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1, "T1 + T2 = 20 s cannot be kept with 20 N m"
+    assert "feasible_time" in done.stdout
+
+
+@pytest.mark.parametrize("V0", [1e-3, 1e-2, 0.1, 1.0, 10.0])
+@pytest.mark.parametrize("h", [0.2, 0.3, 0.5, 0.9])
+def test_the_closed_form_of_the_lemma(V0: float, h: float) -> None:
+    """Against quadrature of dt = -h T dV / (exp(V^h) V^(1-h)); with x = V^h the integrand is smooth at zero."""
+    T = 10.0
+    x = np.linspace(0.0, V0**h, 100_001)
+    y = T * np.exp(-x)
+    oracle = float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x)))
+    assert predefined_time.settling_time(V0, h, T) == pytest.approx(oracle, rel=1e-8)
+    assert predefined_time.settling_time(V0, h, T) < T
+
+
+def test_the_promise_for_the_published_state() -> None:
+    reach, slide = predefined_time.promised_time(case("ctrl_healthy"))
+    assert reach == pytest.approx(2.59, abs=0.01)
+    assert slide == pytest.approx(2.53, abs=0.01)
+
+
+def test_the_smallest_feasible_time_is_where_saturation_begins() -> None:
+    scenario = case("ctrl_healthy").replace(**{"controller.phi": 0.01})
+    least = predefined_time.smallest_feasible_time(scenario)
+    for factor, saturates in [(1.05, False), (0.95, True)]:
+        half = 0.5 * factor * least.time  # T1 = T2, as published
+        flown = scenario.replace(**{"controller.T1": half, "controller.T2": half, "duration": 60.0}).run(
+            channels=["allocation.u"]
+        )
+        assert bool((np.abs(flown["allocation.u"]) >= 20.0).any()) is saturates, factor
+    assert least.saturating < least.time < 1.001 * least.saturating
+    assert 20.0 < least.time < 60.0
+
+
+def test_a_law_without_limits_or_of_another_kind_is_left_alone() -> None:
+    assert predefined_time.findings(case("case2_tsmc")) == []
+    names = {f.name for f in predefined_time.findings(case("ctrl_healthy_unsat"))}
+    assert "feasible_time" not in names
+    with pytest.raises(gs.InputError, match="predefined_time"):
+        predefined_time.torque_use(case("case2_tsmc"))
+
+
+# ---- what is not known ----------------------------------------------------------------------------------------------
+
+
+def test_an_effectiveness_that_is_not_known_is_not_divided_by() -> None:
+    printed = case("silent_nominal").replace(duration=12.0)
+    cautious, believing = (
+        printed.replace(**{"allocator.unknown": choice}).run(channels=["allocation.u", "estimate.effectiveness"])
+        for choice in ("nominal", "estimate")
+    )
+    late = cautious.t > 6.0
+    assert np.abs(believing["allocation.u"][late]).max() == 20.0
+    assert np.abs(cautious["allocation.u"][late]).max() < 1.0
+
+
+def test_unknown_effectiveness_of_one_changes_nothing() -> None:
+    base = case("ctrl_healthy").replace(duration=5.0)
+    one, other = (
+        base.replace(**{"allocator.unknown": c}).run(channels=["allocation.u"]) for c in ("nominal", "estimate")
+    )
+    np.testing.assert_array_equal(one["allocation.u"], other["allocation.u"])
