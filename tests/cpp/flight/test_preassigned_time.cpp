@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// The path to rest at a preassigned time, and the law that follows it: end conditions, any start, both coordinates.
+#include <gtest/gtest.h>
+
+#include "gyrostat/flight/controllers/preassigned_time_sliding_mode.hpp"
+#include "random.hpp"
+#include "telemetry_log.hpp"
+#include "vehicles.hpp"
+
+namespace gyrostat::test {
+namespace {
+
+TEST(PreassignedPath, StartsAsToldAndEndsAtRest) {
+  Random random(1);
+  for (int trial = 0; trial < 100; ++trial) {
+    const double T = random.log_uniform(0.5, 20);
+    const PathPoint<double> start{random.vector<double>(3), random.vector<double>(2), random.vector<double>(1)};
+    const PreassignedPath<double> path(start, T);
+    const PathPoint<double> first = path.at(0), before = path.at(T * (1 - 1e-15)), after = path.at(T);
+    EXPECT_EQ(first.p, start.p);
+    EXPECT_LT((first.rate - start.rate).norm(), 1e-15 * (1 + start.rate.norm()));
+    EXPECT_LT((first.acceleration - start.acceleration).norm(), 1e-15 * (1 + start.acceleration.norm()));
+    // Sums of terms of size d0, T d1 and T^2 d2: held to 1e-12 of it.
+    const double size = start.p.norm() + T * start.rate.norm() + T * T * start.acceleration.norm();
+    EXPECT_LT(before.p.norm(), 1e-12 * size);
+    EXPECT_LT(T * before.rate.norm(), 1e-12 * size);
+    EXPECT_LT(T * T * before.acceleration.norm(), 1e-11 * size);  // coefficients of 120
+    EXPECT_EQ(after.p.norm() + after.rate.norm() + after.acceleration.norm(), 0);
+  }
+}
+
+TEST(PreassignedPath, IsItsOwnDerivative) {
+  const PreassignedPath<double> path({{1, -2, 0.5}, {0.3, 0.1, -0.4}, {0.2, -0.1, 0.3}}, 4.0);
+  constexpr double h = 1e-4;  // central difference: h^2 p''' / 6 and rounding, both below 1e-7
+  for (const double t : {0.5, 1.7, 3.3}) {
+    const PathPoint<double> lo = path.at(t - h), hi = path.at(t + h), mid = path.at(t);
+    EXPECT_LT(((hi.p - lo.p) / (2 * h) - mid.rate).norm(), 1e-7);
+    EXPECT_LT(((hi.rate - lo.rate) / (2 * h) - mid.acceleration).norm(), 1e-7);
+  }
+}
+
+Setup<double> printed(double dt) {
+  Mat3N<double> D(3, 3);
+  D.setIdentity();
+  auto setup =
+      vehicle_with<double>(Vec3<double>(200, 400, 200).asDiagonal(), D, std::numeric_limits<double>::infinity(), dt);
+  setup.vehicle.coordinates = Coordinates::euler_angles;
+  setup.vehicle.orbit_rate = 0.10312;
+  return setup;
+}
+
+using Law = PreassignedTimeSlidingMode<double>;
+Law::Params gains(double T) {
+  Law::Params p;
+  p.T = T;
+  p.c = 10;
+  p.b = 2;
+  p.eta = 5.5;
+  p.layer = 0.1;
+  p.stretch = 0;
+  return p;
+}
+
+/// Largest error at T and after of the undisturbed printed model from a start, held commands, Runge-Kutta of order 4.
+double error_from(const Vec3<double>& angles, const Vec3<double>& rates, double T, double& surface) {
+  constexpr double dt = 0.002;
+  const auto setup = printed(dt);
+  Law law(setup, gains(T));
+  Estimate<double> x;
+  x.h_w = VecN<double>::Zero(3);
+  x.effectiveness = VecN<double>::Ones(3);
+  Vec3<double> a = angles, b = rates;
+  const Reference<double> ref;
+  const Allocation<double> last = Allocation<double>::idle(3);
+  double worst = 0;
+  surface = 0;
+  for (int k = 0; k * dt < T + 0.5; ++k) {
+    x.euler = {a, b};
+    x.omega_BN_B = b;
+    const Vec3<double> tau = (k == 0 ? law.start(x, {}, ref) : law.step(x, {}, ref, last)).tau_B;
+    surface = std::max(surface, telemetry_of(law)["s"][0]);
+    if (k * dt >= T) worst = std::max(worst, a.norm());
+    const auto acceleration = [&](const Vec3<double>& q, const Vec3<double>& v) -> Vec3<double> {
+      return euler_model_acceleration(setup.vehicle, q, v) + tau.cwiseQuotient(setup.vehicle.J_B.diagonal());
+    };
+    const Vec3<double> k1 = acceleration(a, b);
+    const Vec3<double> b2 = b + dt / 2 * k1, k2 = acceleration(a + dt / 2 * b, b2);
+    const Vec3<double> b3 = b + dt / 2 * k2, k3 = acceleration(a + dt / 2 * b2, b3);
+    const Vec3<double> b4 = b + dt * k3, k4 = acceleration(a + dt * b3, b4);
+    a += dt / 6 * (b + 2 * (b2 + b3) + b4);
+    b += dt / 6 * (k1 + 2 * (k2 + k3) + k4);
+  }
+  return worst;
+}
+
+TEST(PreassignedTime, ArrivesAtTFromAHundredStarts) {
+  Random random(2);
+  for (int trial = 0; trial < 100; ++trial) {
+    double surface = 0;
+    // What is left is the demand held for 2 ms along the path: 57 /s keeps it below 1e-3 rad for these sizes.
+    const double left = error_from(random.vector<double>(2.5), random.vector<double>(1.5), 2.0, surface);
+    EXPECT_LT(left, 2e-4) << trial;
+    EXPECT_LT(surface, 0.1) << trial;  // the layer is never left
+  }
+}
+
+TEST(PreassignedTime, AsksForNoTorqueAtTheFirstSampleOnABody) {
+  auto setup = ftc_4rw<double>();
+  Random random(3);
+  for (int trial = 0; trial < 50; ++trial) {
+    Law law(setup, gains(5));
+    Estimate<double> x;
+    x.h_w = VecN<double>::Constant(4, 0.2);
+    x.q_NB = quat_from_euler(random.vector<double>(1.2));
+    x.omega_BN_B = random.vector<double>(0.5);
+    const Demand<double> demand = law.start(x, {}, {});
+    // p''(0) is the acceleration of the free motion, gyroscopic torque of body and wheels included; only rounding is left.
+    EXPECT_LT(demand.tau_B.norm(), 1e-11);
+    EXPECT_FALSE(demand.status.has(Flag::singular));
+  }
+}
+
+TEST(PreassignedTime, GivesTheAngularAccelerationThatItAsksForOnABody) {
+  auto setup = ftc_4rw<double>();
+  auto p = gains(5);
+  p.start_acceleration = Law::StartAcceleration::zero;
+  Law law(setup, p);
+  Estimate<double> x;
+  x.h_w = VecN<double>::Constant(4, -0.3);
+  const Vec3<double> angles(0.4, -0.7, 1.1), rates(0.2, 0.3, -0.1);
+  x.q_NB = quat_from_euler(angles);
+  x.omega_BN_B = euler_rate_matrix(angles) * rates;
+  const Vec3<double> tau_B = law.start(x, {}, {}).tau_B;  // s = 0 and p'' = 0: no second derivative of the angles
+  const Vehicle<double>& v = setup.vehicle;
+  const Vec3<double> wdot =
+      v.J_B.inverse() * (tau_B - x.omega_BN_B.cross(v.J_B * x.omega_BN_B + torque<double>(v.D_B, x.h_w)));
+  // Move by the truth's kinematics for a short while: the Euler rates must not change to first order.
+  constexpr double h = 1e-5;
+  const Quat<double> q = x.q_NB * quat_exp<double>(h * x.omega_BN_B + h * h / 2 * wdot);
+  const Vec3<double> later = euler_rates<double>(euler(q), x.omega_BN_B + h * wdot);
+  EXPECT_LT((later - rates).norm() / h, 1e-4);  // second order: h times the third derivative
+}
+
+TEST(PreassignedTime, SaysWhenTheAnglesDoNotExist) {
+  auto setup = ftc_4rw<double>();
+  Law law(setup, gains(5));
+  Estimate<double> x;
+  x.h_w = VecN<double>::Zero(4);
+  for (const double pitch : {1.5707963267948966, -1.5707963267948966, 1.57079, 1.5707963267948966 - 0.9 * 0.01 * 0.4}) {
+    x.q_NB = quat_from_euler<double>({0.3, pitch, -0.2});
+    x.omega_BN_B = euler_rate_matrix<double>({0.3, pitch, -0.2}) * Vec3<double>(0, 0.4, 0);
+    const Demand<double> demand = law.start(x, {}, {});
+    EXPECT_TRUE(demand.status.has(Flag::singular)) << pitch;
+    EXPECT_TRUE(demand.tau_B.allFinite());
+  }
+}
+
+TEST(PreassignedTime, MovesItsTimeAwayOnlyWhileTheCommandFallsShort) {
+  auto setup = ftc_4rw<double>();
+  auto p = gains(5);
+  p.stretch = 10;
+  Law law(setup, p);
+  Estimate<double> x;
+  x.h_w = VecN<double>::Zero(4);
+  x.q_NB = quat_from_euler<double>({0.5, 0.2, 0.1});
+  const Reference<double> ref;
+  (void)law.start(x, {}, ref);
+  Allocation<double> last = Allocation<double>::idle(4);
+  last.demand_B = last.achieved_B = Vec3<double>(0.1, 0, 0);
+  (void)law.step(x, {}, ref, last);
+  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5 - 0.01, 1e-12);
+  last.demand_B = Vec3<double>(0.2, 0, 0);
+  (void)law.step(x, {}, ref, last);
+  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5 - 0.02 + 10 * 0.01, 1e-12);
+  EXPECT_LT(std::abs(telemetry_of(law)["s"][0]), 1e-15);  // planned anew from where it is
+}
+
+TEST(PreassignedTime, RefusesWhatIsUnstableWhenHeld) {
+  auto setup = printed(0.036);
+  EXPECT_EQ(Law::check(setup, gains(5)).code, Status<double>::Code::unstable);  // 57 /s times 36 ms
+  setup.dt = 0.034;
+  EXPECT_TRUE(Law::check(setup, gains(5)).ok());
+  setup.vehicle.J_B(0, 1) = setup.vehicle.J_B(1, 0) = 1;
+  EXPECT_EQ(Law::check(setup, gains(5)).code, Status<double>::Code::wrong_chart);
+}
+
+}  // namespace
+}  // namespace gyrostat::test
