@@ -3,39 +3,19 @@
 #include <cmath>
 #include <cstdio>
 
-#include "gyrostat/flight/allocators/pseudo_inverse.hpp"
-#include "gyrostat/flight/detectors/none.hpp"
-#include "gyrostat/flight/observers/passthrough.hpp"
-#include "gyrostat/flight/stack.hpp"
-#include "quaternion_law.hpp"
+#include "four_wheels.hpp"
 
 namespace {
 
 using S = float;
-using Stack = gyrostat::FlightStack<gyrostat::Passthrough<S>, gyrostat::NoDetector<S>, consumer::QuaternionLaw<S>,
-                                    gyrostat::PseudoInverse<S>>;
+using Stack = consumer::FourWheels<S>;
 static_assert(Stack::cannot_throw, "a flight stack of flight components never throws");
-
-gyrostat::Setup<S> four_wheels() {
-  gyrostat::Setup<S> setup;
-  setup.dt = S(0.01);
-  gyrostat::Vehicle<S>& v = setup.vehicle;
-  v.J_B = gyrostat::Vec3<S>(20, 17, 15).asDiagonal();
-  v.D_B.resize(3, 4);
-  v.D_B << 1, 1, -1, -1, 1, -1, -1, 1, 1, 1, 1, 1;
-  v.D_B /= std::sqrt(S(3));
-  v.u_up = gyrostat::VecN<S>::Constant(4, S(0.2));
-  v.u_lo = -v.u_up;
-  v.u_rate = gyrostat::VecN<S>::Constant(4, std::numeric_limits<S>::infinity());
-  return setup;
-}
 
 }  // namespace
 
 int main() {
-  const gyrostat::Setup<S> setup = four_wheels();
-  Stack stack(setup, gyrostat::Passthrough<S>(setup, {}), gyrostat::NoDetector<S>(setup, {}),
-              consumer::QuaternionLaw<S>(setup, {}), gyrostat::PseudoInverse<S>(setup, {}));
+  const gyrostat::Setup<S> setup = consumer::four_wheels<S>();
+  Stack stack = consumer::make_four_wheels<S>();
   gyrostat::Measurement<S> y;
   y.q_NB = gyrostat::Quat<S>(S(0.95), S(0.1), S(0.2), S(-0.2)).normalized();
   y.h_w = gyrostat::VecN<S>::Zero(4);

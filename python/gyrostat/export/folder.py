@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""The folder of an export: appears complete, or not at all. What every target puts into it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from gyrostat.errors import InputError
+from gyrostat.files import writable_folder
+
+_package = Path(__file__).resolve().parents[1]
+_templates = Path(__file__).resolve().parent / "templates"
+_include = re.compile(r'^#include "(gyrostat/[^"]+)"', re.MULTILINE)
+_placeholder = re.compile(r"@(\w+)@")
+
+
+@contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """A temporary folder beside `path` that takes its name when the block ends well, and vanishes when it does not.
+
+    Raises
+    ------
+    InputError
+        `path` is a file or a folder with something in it, or cannot be made.
+    """
+    if path.exists() and (not path.is_dir() or any(path.iterdir())):
+        kind = "a folder that is not empty" if path.is_dir() else "a file"
+        raise InputError(f"--out {path}: is {kind}; name a new or empty one")
+    parent = writable_folder(path.absolute().parent)
+    temporary = Path(tempfile.mkdtemp(dir=parent, prefix=f".{path.name}-"))
+    try:
+        yield temporary
+        temporary.chmod(0o755)
+        temporary.replace(path)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def filled(template: str, values: Mapping[str, object]) -> str:
+    """A file of `templates` with every ``@key@`` replaced; a key that is not known is a mistake of ours."""
+    text = (_templates / template).read_text(encoding="utf-8")
+    return _placeholder.sub(lambda match: str(values[match[1]]), text)
+
+
+def copy_headers(wanted: list[str], into: Path) -> None:
+    """Copy the wanted headers of the library with all that they include of it, and its licence."""
+    roots, licence = _library()
+    missing = list(wanted)
+    seen: set[str] = set()
+    while missing:
+        name = missing.pop()
+        if name in seen:
+            continue
+        seen.add(name)
+        source = next((root / name for root in roots if (root / name).is_file()), None)
+        if source is None:
+            raise InputError(f"{name}: the header is not part of this installation of gyrostat")
+        text = source.read_text(encoding="utf-8")
+        target = into / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+        missing += _include.findall(text)
+    shutil.copyfile(licence, into / "gyrostat" / "LICENSE")
+
+
+def has_header(name: str) -> bool:
+    """Whether the library has a header of this name."""
+    return any((root / name).is_file() for root in _library()[0])
+
+
+def _library() -> tuple[list[Path], Path]:
+    """Include roots of core and flight, and the licence: of the installed package, or of a checkout."""
+    installed = _package / "include"
+    if installed.is_dir():
+        return [installed], installed / "gyrostat" / "LICENSE"
+    checkout = _package.parents[1]
+    return [checkout / "cpp" / "core", checkout / "cpp" / "flight"], checkout / "LICENSE"
