@@ -13,8 +13,8 @@ CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.
 PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy fuzz format stubs clean debian-run debian-test \
-        debian-bench debian-fuzz
+.PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy embedded fuzz format stubs clean debian-run debian-test \
+        debian-bench debian-embedded debian-fuzz
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -69,6 +69,9 @@ fuzz: debian-fuzz  ## a minute of coverage-guided fuzzing of every stack, under 
 	@mkdir -p build/fuzz/corpus
 	@$(STEP) fuzz env -C build/fuzz tests/fuzz/fuzz_stack -max_total_time=$(FUZZ_SECONDS) -max_len=4096 -jobs=2 -workers=2 corpus
 
+embedded: debian-embedded $(VENV)/package.stamp  ## exported flight stacks on an emulated Cortex-M7, against the host; prints sizes and instructions
+	@$(BIN)/python scripts/embedded
+
 headers: debian-test  ## every header compiled alone (a minute and a half; make test checks the layers' include roots)
 	@$(STEP) configure-release cmake --preset release
 	@$(STEP) headers-alone cmake --build --preset release --target all_verify_interface_header_sets
@@ -91,6 +94,9 @@ debian-test:
 
 debian-fuzz: debian-run
 	@scripts/debian_packages clang libomp-dev
+
+debian-embedded: debian-run
+	@scripts/debian_packages gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
 
 debian-bench: debian-test
 	@scripts/debian_packages libbenchmark-dev

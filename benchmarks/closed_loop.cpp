@@ -5,10 +5,16 @@
 #include <vector>
 
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
+#include "gyrostat/flight/allocators/robust_socp.hpp"
 #include "gyrostat/flight/controllers/integral_sliding_mode.hpp"
+#include "gyrostat/flight/controllers/mixed_learning_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
+#include "gyrostat/flight/controllers/prescribed_performance.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
+#include "gyrostat/flight/detectors/threshold.hpp"
+#include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
+#include "gyrostat/flight/observers/mixed_learning.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
 #include "gyrostat/host/assembly.hpp"
 #include "scenarios.hpp"
@@ -35,6 +41,14 @@ auto static_ftc(const Assembly& a) {
 auto static_li2018(const Assembly& a) {
   return static_stack<FiniteTimeDisturbanceObserver<double>, NoDetector<double>, IntegralSlidingMode<double>,
                       PseudoInverse<double>>(a);
+}
+auto static_wang2023(const Assembly& a) {
+  return static_stack<MixedLearningObserver<double>, NoDetector<double>, MixedLearningSlidingMode<double>,
+                      PseudoInverse<double>>(a);
+}
+auto static_yang2023(const Assembly& a) {
+  return static_stack<AdaptiveIterativeLearningObserver<double>, ThresholdDetector<double>,
+                      PrescribedPerformance<double>, RobustSocp<double>>(a);
 }
 auto erased(const Assembly& a) { return host::make_stack(a, {}); }
 
@@ -84,11 +98,18 @@ void closed_loop(benchmark::State& state, const Table& scenario, Make make) {
 const auto make_erased = [](const Assembly& a) { return erased(a); };
 const auto make_static_ftc = [](const Assembly& a) { return static_ftc(a); };
 const auto make_static_li2018 = [](const Assembly& a) { return static_li2018(a); };
+const auto make_static_wang2023 = [](const Assembly& a) { return static_wang2023(a); };
+const auto make_static_yang2023 = [](const Assembly& a) { return static_yang2023(a); };
 
 BENCHMARK_CAPTURE(flight_step, ftc_4rw / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, ftc_4rw / static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, li2018 / erased, li2018_table1(20), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, li2018 / static, li2018_table1(20), make_static_li2018)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, wang2023 / erased, wang2023(20), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, wang2023 / static, wang2023(20), make_static_wang2023)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, yang2023 / erased, yang2023_slew(40), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, yang2023 / static, yang2023_slew(40), make_static_yang2023)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4 / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4 / static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_cvode / erased, ftc_4rw("cvode"), make_erased)->Unit(benchmark::kMillisecond);

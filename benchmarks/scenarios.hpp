@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  The two scenarios that benchmarks fly, as the host reads them.
+/// @file  The scenarios that benchmarks fly, as the host reads them.
 #pragma once
 #include <numbers>
 
@@ -76,6 +76,53 @@ inline Table li2018_table1(double duration) {
                                       {"amplitude", row({5e-4, 7.5e-4, -3.75e-4, 7.5e-4, 7.5e-4, -1.5e-3})},
                                       {"multiple", row({10, 3, 2, 5, 10, 4})},
                                       {"phase", row({half_pi, 0, 0, half_pi, 0, 0})}}}}};
+}
+
+/// Wang, Jia, Yu 2023, Tables 1 and 2: three torquers, mixed learning observer and sliding mode, at 1 kHz.
+inline Table wang2023(double duration) {
+  return {{"duration", duration},
+          {"dt", 0.001},
+          {"vehicle", Table{{"J_B", List{row({18.73, 1, 0.09}), row({1, 20.77, 0.092}), row({0.09, 0.092, 23.63})}},
+                            {"D_B", List{row({1, 0, 0}), row({0, 1, 0}), row({0, 0, 1})}}}},
+          {"initial", Table{{"q_NB", row({0.515, 0.7221, 0.376, 0.2681})}, {"omega_BN_B", row({0.16, 0.12, 0.1})}}},
+          {"observer",
+           Table{{"type", "mixed_learning"},
+                 {"K1", List{row({0.2159, 0.0062, 0.0006}), row({0.0062, 0.2285, 0.0006}), row({6e-4, 6e-4, 0.2462})}},
+                 {"K2", List{row({4.8176, -0.2319, -0.0174}), row({-0.2319, 4.3444, -0.016}),
+                             row({-0.0174, -0.016, 3.8088})}},
+                 {"theta1", 0.005},
+                 {"theta2", 0.99}}},
+          {"controller", Table{{"type", "mixed_learning_sliding_mode"},
+                               {"delta", 0.1},
+                               {"k_lin", 3.0},
+                               {"k_sgn", 0.01},
+                               {"width", 0.0},
+                               {"K3", List{row({1, 0, 0}), row({0, 1, 0}), row({0, 0, 1})}},
+                               {"theta3", 0.99}}},
+          {"allocator", Table{{"type", "pseudo_inverse"}}},
+          {"integrator", Table{{"type", "rk4"}}},
+          {"faults", List{Table{{"type", "bias"}, {"actuator", 0}, {"t_on", 5.0}, {"torque", 0.1}}}}};
+}
+
+/// Yang et al. 2023: one slew of three axes and a spare at 100 Hz, actuator 0 at 60 % from 4 s, so that all four are in use;
+/// robust allocation.
+inline Table yang2023_slew(double duration) {
+  const double s = 1 / std::numbers::sqrt3;
+  return {
+      {"duration", duration},
+      {"dt", 0.01},
+      {"vehicle", Table{{"J_B", List{row({43, 0.3, 1.2}), row({0.3, 52, -0.5}), row({1.2, -0.5, 40})}},
+                        {"D_B", List{row({1, 0, 0, s}), row({0, 1, 0, s}), row({0, 0, 1, s})}},
+                        {"u_max", 0.25},
+                        {"spare", row({3})}}},
+      {"initial", Table{{"euler", row({0.35, -0.26, 0.1})}}},
+      {"observer", Table{{"type", "adaptive_iterative_learning"}}},
+      {"detector", Table{{"type", "threshold"}}},
+      {"controller", Table{{"type", "prescribed_performance"}}},
+      {"allocator", Table{{"type", "robust_socp"}, {"residual_weight", 1e3}}},
+      {"sensors", List{Table{{"type", "gyro"}, {"noise", 1.745e-5}}}},
+      {"faults", List{Table{{"type", "loss_of_effectiveness"}, {"actuator", 0}, {"t_on", 4.0}, {"remaining", 0.6}}}},
+      {"integrator", Table{{"type", "rk4"}}}};
 }
 
 }  // namespace gyrostat::bench

@@ -9,6 +9,7 @@
 
 #include "gyrostat/flight/compensation_margin.hpp"
 #include "gyrostat/host/catalogue.hpp"
+#include "gyrostat/host/flight_model.hpp"
 #include "gyrostat/host/metrics.hpp"
 #include "gyrostat/host/simulate.hpp"
 #include "python_component.hpp"
@@ -20,18 +21,40 @@ namespace {
 namespace py = pybind11;
 using namespace py::literals;
 
-py::dict describe(const std::string& family, const std::string& name) {
-  const host::Description d = host::describe(family, name);
+py::list parameters(const std::vector<host::ParamInfo>& described) {
   py::list params;
-  for (const host::ParamInfo& p : d.params) {
+  for (const host::ParamInfo& p : described) {
     params.append(py::dict("name"_a = p.name, "kind"_a = p.kind, "unit"_a = p.unit, "lo"_a = p.lo, "hi"_a = p.hi,
                            "meaning"_a = p.meaning, "options"_a = p.options, "default"_a = to_python(p.default_value),
                            "required"_a = p.required, "scales"_a = p.scales));
   }
+  return params;
+}
+
+py::dict describe(const std::string& family, const std::string& name) {
+  const host::Description d = host::describe(family, name);
   return py::dict("family"_a = d.family, "name"_a = d.name,
                   "traits"_a = py::dict("axiswise"_a = d.traits.axiswise, "switching"_a = d.traits.switching,
                                         "regulates"_a = d.traits.regulates),
-                  "params"_a = params);
+                  "params"_a = parameters(d.params));
+}
+
+py::dict flight_model(const py::dict& scenario) {
+  const host::FlightModel m = host::flight_model(to_table(scenario));
+  const Vehicle<double>& v = m.setup.vehicle;
+  py::list components;
+  for (const host::FlightComponent& c : m.components) {
+    components.append(
+        py::dict("role"_a = c.role, "name"_a = c.name, "cpp"_a = c.cpp.name, "params"_a = parameters(c.params)));
+  }
+  const py::dict vehicle("J_B"_a = to_python(host::write(v.J_B)), "D_B"_a = to_python(host::write(v.D_B)),
+                         "u_lo"_a = to_python(host::write(v.u_lo)), "u_up"_a = to_python(host::write(v.u_up)),
+                         "u_rate"_a = to_python(host::write(v.u_rate)), "spare"_a = to_python(host::write(v.spare)),
+                         "wheels"_a = to_python(host::write(v.wheels)), "orbit_rate"_a = v.orbit_rate,
+                         "coordinates"_a = v.coordinates == Coordinates::body ? "body" : "euler_angles");
+  return py::dict("dt"_a = m.setup.dt, "vehicle"_a = vehicle, "allow_unstable"_a = m.allow_unstable,
+                  "components"_a = components,
+                  "bytes"_a = py::dict("double"_a = m.bytes_double, "float"_a = m.bytes_float));
 }
 
 const char* code_name(Status<double>::Code code) {
@@ -193,6 +216,10 @@ void bind_host(py::module_& m) {
       "scenario"_a, "components"_a = py::dict(), "The scenario with every default filled in.");
   m.def("channel_names", &channel_names, "scenario"_a, "components"_a = py::dict(),
         "Channels that a run of this scenario offers.");
+  m.def("flight_model", &flight_model, "scenario"_a,
+        "The flight half of a scenario: nominal vehicle as flight has it, period, components with their C++ class and "
+        "every "
+        "parameter as `default`, size of the stack.");
   m.def("simulate", &simulate, "scenario"_a, "components"_a = py::dict(), "channels"_a = py::none(), "every"_a = 1,
         "progress"_a = py::none(), "record"_a = true,
         "Runs one closed loop. Releases the GIL; Python components take it back for their own step only.");

@@ -58,6 +58,7 @@ __all__ = [
     "attitude",
     "controller",
     "design",
+    "detection",
     "detector",
     "disturbances",
     "faults",

@@ -29,6 +29,7 @@ __all__: list[str] = [
     "energy",
     "euler_from_quat",
     "first_reach",
+    "flight_model",
     "fraction_at_least",
     "mrp_from_quat",
     "mrp_shadow",
@@ -454,6 +455,11 @@ def first_reach(
 ) -> float:
     """
     First instant (s), not before `after`, with max_i |x_i| >= level; nan when there is none.
+    """
+
+def flight_model(scenario: dict) -> dict:
+    """
+    The flight half of a scenario: nominal vehicle as flight has it, period, components with their C++ class and every parameter as `default`, size of the stack.
     """
 
 def fraction_at_least(

@@ -226,9 +226,10 @@ def check(
 ) -> None:
     """Check a scenario without flying it: components against vehicle and period, stability, torque within reach.
 
-    With a finite-time disturbance observer it says whether feeding the estimate forward through weakened actuators is
-    stable, unstable or unproven, with the critical effectiveness. It also says which torque the actuators can give in
-    every direction, healthy and when the faults leave them least. Exit status 1 if a check fails.
+    With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
+    loop. With a finite-time disturbance observer it says whether feeding the estimate forward through weakened
+    actuators is stable, unstable or unproven, with the critical effectiveness. It also says which torque the actuators
+    can give in every direction, healthy and when the faults leave them least. Exit status 1 if a check fails.
 
     Examples: `gyrostat check wheel2_degraded --torque 0.1 0.2 0`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """
@@ -259,6 +260,89 @@ def check(
 
 
 @app.command()
+def design(
+    name: Annotated[str | None, typer.Argument(help="A design; without one they are listed.")] = None,
+    scenario: Annotated[
+        str | None, typer.Argument(help="A scenario that gives the inertia and the period; `--set` wins.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="An option of the design, e.g. `settling_time=2`. Repeatable."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Design gains: parameters that can be pasted into a scenario, with every condition and its margin.
+
+    Without a name it lists the designs, with their options. Exit status 1 if a condition fails or no gains exist.
+
+    Examples: `gyrostat design`, `gyrostat design mixed_learning ftc_4rw --set settling_time=5`
+    """
+    from gyrostat.design import DESIGNS
+
+    if name is None:
+        if as_json:
+            _print_json({key: d.summary for key, d in DESIGNS.items()})
+            return
+        for key, chosen in DESIGNS.items():
+            typer.echo(f"{key}: {chosen.summary}")
+            _print_columns([("", k, _described(f)) for k, f in chosen.options.model_fields.items()])
+        return
+    if name not in DESIGNS:
+        raise InputError(f"no design '{name}'{suggestion(name, DESIGNS)}")
+    chosen = DESIGNS[name]
+    given = {} if scenario is None else chosen.of_scenario(Scenario.load(scenario))
+    report = chosen.run(chosen.options(**(given | _changes(settings))))
+    if as_json:
+        _print_json(report.to_dict())
+    else:
+        verdicts = {True: "ok: ", False: "fails: ", None: ""}
+        _print_columns([(f.where, f.name, verdicts[f.ok] + f.text) for f in report.findings])
+        for role, table in report.components.items():
+            typer.echo(f"\n[{role}]")
+            for key, value in table.items():
+                typer.echo(f"{key} = {json.dumps(value)}")
+    if not report.ok:
+        raise typer.Exit(1)
+
+
+def _described(option: Any) -> str:
+    """Meaning of an option of a design, with its default."""
+    if option.is_required():
+        return f"{option.description} (must be given)"
+    return str(option.description) + ("" if option.default is None else f" (default {option.default:g})")
+
+
+@app.command()
+def export(
+    scenario: ScenarioName,
+    target: Annotated[
+        str, typer.Option(help="`cpp`: a header. `c`: a C library. `fmu`: an FMI 2.0 co-simulation unit.")
+    ],
+    out: Annotated[Path, typer.Option(help="A new or empty folder; it appears when it is complete.")],
+    settings: Settings = None,
+    *,
+    scalar: Annotated[str, typer.Option(help="`double` or `float`: of the C library and the self-test.")] = "double",
+    samples: Annotated[int, typer.Option(min=0, help="Recorded samples, from the first on; 0: the whole run.")] = 3000,
+    name: Annotated[str | None, typer.Option(help="Of files and functions, instead of the scenario's.")] = None,
+) -> None:
+    """Write the flight stack of a scenario as code, with a self-test of recorded inputs and outputs.
+
+    The folder holds vehicle, components and parameters of the scenario, and every header that it needs but Eigen's.
+
+    Examples: `gyrostat export wheel2_degraded --target c --out code`, `gyrostat export my.toml --target fmu --out fmu`
+    """
+    from gyrostat.export import export as write_code
+
+    chosen = _scenario(scenario, settings)
+    code = write_code(chosen, target, out, scalar=scalar, samples=samples, name=name)
+    if target == "fmu":
+        typer.echo(f"{out / code.name}.fmu: {len(code.rows)} recorded samples beside it")
+        return
+    typer.echo(f"{out}: {len(code.rows)} recorded samples; build and test it:")
+    typer.echo(f"  cmake -S {out} -B {out}/build && cmake --build {out}/build && ctest --test-dir {out}/build")
+
+
+@app.command()
 def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = None) -> None:
     """Print the JSON Schema of the scenario file; editors check and complete TOML with it.
 
@@ -276,13 +360,19 @@ def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = 
 
 def _scenario(name: str, settings: Sequence[str] | None) -> Scenario:
     scenario = Scenario.load(name)
+    changes = _changes(settings)
+    return scenario.replace(**changes) if changes else scenario
+
+
+def _changes(settings: Sequence[str] | None) -> dict[str, Any]:
+    """Values of `--set`, by key."""
     changes = {}
     for setting in settings or ():
         key, equals, text = setting.partition("=")
         if not equals or not key.strip():
             raise InputError(f"--set {setting}: write KEY=VALUE, for example --set observer.lambda1=2")
         changes[key.strip()] = toml.value(text.strip())
-    return scenario.replace(**changes) if changes else scenario
+    return changes
 
 
 def _component(family: str, name: str | None) -> tuple[str, str]:

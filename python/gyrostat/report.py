@@ -12,7 +12,7 @@ from pathlib import Path
 
 from gyrostat._core import __version__
 from gyrostat.files import writable_folder, write_text
-from gyrostat.papers import Evaluation, Paper, Reproduction
+from gyrostat.papers import EnsembleFigure, Evaluation, Paper, Reproduction
 
 _style = """
 :root { color-scheme: light; --line: #dfe3e8; --soft: #f6f8fa; --text: #1f2933; --dim: #5f6b7a }
@@ -64,9 +64,16 @@ def write_report(folder: Path, reproductions: Sequence[Reproduction]) -> Path:
 def _section(folder: Path, reproduction: Reproduction) -> str:
     paper = reproduction.paper
     write_text(folder / "claims.json", json.dumps(reproduction.to_dict(), indent=2) + "\n")
+    for ensemble in reproduction.ensembles.values():
+        write_text(folder / f"{ensemble.campaign.id}.csv", ensemble.to_csv())
     figures = []
     for figure in paper.figures:
-        picture = figure.draw(reproduction.results).save(folder / f"{figure.name}.png")
+        drawn = (
+            figure.draw(reproduction.ensembles)
+            if isinstance(figure, EnsembleFigure)
+            else figure.draw(reproduction.results)
+        )
+        picture = drawn.save(folder / f"{figure.name}.png")
         data = base64.b64encode(picture.read_bytes()).decode()
         figures.append(
             f'<figure id="{escape(paper.id)}-{escape(figure.name)}"><img alt="{escape(figure.caption)}" '
@@ -162,6 +169,16 @@ def _case_rows(paper: Paper, reproduction: Reproduction) -> list[list[str]]:
             escape(reproduction.endings.get(case.id, "as planned")),
         ]
         for case in paper.cases.values()
+    ] + [
+        [
+            f"<code>{escape(c.id)}</code>",
+            f"{escape(c.title)} ({c.runs} runs, seed {c.seed}; each in <code>{escape(c.id)}.csv</code>)",
+            escape(str(c.scenario.resolve()["integrator"]["type"])),
+            number(c.scenario.dt),
+            number(c.scenario.duration),
+            "as planned",
+        ]
+        for c in paper.campaigns.values()
     ]
 
 

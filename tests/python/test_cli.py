@@ -34,7 +34,7 @@ def printed(*arguments: str) -> Any:
 
 def test_help_teaches_with_examples() -> None:
     assert "gyrostat run wheel2_degraded" in gyrostat("--help").stdout
-    for command in ("list", "describe", "run", "reproduce", "check", "schema"):
+    for command in ("list", "describe", "run", "reproduce", "check", "export", "schema"):
         done = gyrostat(command, "--help")
         assert done.returncode == 0
         assert "Example" in done.stdout, command
@@ -113,6 +113,8 @@ def test_set_takes_numbers_words_and_lists() -> None:
         (["describe", "observer", "passthru"], ["no observer 'passthru'", "did you mean 'passthrough'"]),
         (["list", "faults"], ["no family 'faults'", "did you mean 'fault'"]),
         (["reproduce", "nobody1900"], ["no paper 'nobody1900'"]),
+        (["export", "ftc_4rw", "--target", "rust", "--out", "new"], ["no target 'rust'", "cpp"]),
+        (["export", "ftc_4rw", "--target", "c"], ["Missing option", "--out"]),
         (["fly"], ["No such command 'fly'"]),
         (["run"], ["Missing argument"]),
     ],

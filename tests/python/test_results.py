@@ -54,7 +54,7 @@ def test_commands_stay_inside_the_limits(result: gs.Result) -> None:
 
 def test_fewer_channels_and_samples_can_be_recorded(scenario: gs.Scenario) -> None:
     few = scenario.run(channels=["truth.mrp", "error.*"], every=7)
-    assert set(few) == {"truth.mrp", "error.angle", "error.mrp", "error.omega_BR_B"}
+    assert set(few) == {"truth.mrp", "error.angle", "error.euler", "error.euler_rates", "error.mrp", "error.omega_BR_B"}
     assert few.t[1] == pytest.approx(0.07)
     assert few.t[-1] == 30.0, "the last sample is always kept"
 

@@ -1,12 +1,25 @@
 # SPDX-License-Identifier: MIT
-"""Gain design and theorem margins, in numpy.
+"""Gain design, theorem margins and feasibility, in numpy: a module for each law or question.
 
 `CHECKS` is what ``gyrostat check`` asks besides the components themselves: each takes a scenario and returns its
-findings, none when the scenario does not fly what it knows about.
+findings, none when the scenario does not fly what it knows about. `DESIGNS` is what ``gyrostat design`` offers.
 """
 
 from collections.abc import Callable
 
+from gyrostat.design import (
+    compensation,
+    feasibility,
+    feasible_time,
+    iterative_learning,
+    learning_disturbance,
+    learning_effectiveness,
+    learning_loop,
+    mixed_learning,
+    mixed_learning_tool,
+    preassigned_time,
+    predefined_time,
+)
 from gyrostat.design.compensation import (
     CompensationMargin,
     compensation_margin,
@@ -16,18 +29,45 @@ from gyrostat.design.compensation import (
 )
 from gyrostat.design.feasibility import attainable_after_faults, torque_findings
 from gyrostat.design.finding import Finding
+from gyrostat.design.registry import Design, DesignReport
 from gyrostat.scenario import Scenario
 
-CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = ()
+CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
+    iterative_learning.findings,
+    learning_disturbance.findings,
+    learning_effectiveness.findings,
+    mixed_learning_tool.findings,
+    preassigned_time.findings,
+    predefined_time.findings,
+)
+
+DESIGNS: dict[str, Design] = {
+    "mixed_learning": mixed_learning_tool.DESIGN,
+    "mixed_learning_six_steps": mixed_learning_tool.SIX_STEPS,
+}
 
 __all__ = [
     "CHECKS",
+    "DESIGNS",
     "CompensationMargin",
+    "Design",
+    "DesignReport",
     "Finding",
     "attainable_after_faults",
+    "compensation",
     "compensation_margin",
     "critical_effectiveness",
     "effectiveness_range",
+    "feasibility",
+    "feasible_time",
+    "iterative_learning",
+    "learning_disturbance",
+    "learning_effectiveness",
+    "learning_loop",
+    "mixed_learning",
+    "mixed_learning_tool",
+    "preassigned_time",
+    "predefined_time",
     "scenario_margin",
     "torque_findings",
 ]

@@ -37,12 +37,14 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
     be ok and still show that a publication's statement does not hold. `metric` names an entry of `METRICS` (or of the
     study's own), the other keys of ``measure`` are its arguments. `signal` is a channel or one of the study's signals;
     ``column = 2`` picks a component. The size of a signal is its largest component, unless the metric says otherwise.
+    ``[campaigns.<id>]`` tables fly one case many times with sampled changes: `gyrostat.papers.campaigns`.
 ``signals.py`` (may be absent)
     ``SIGNALS: dict[str, Callable[[Result], ndarray]]``, quantities computed from channels, one row a sample; and
-    ``METRICS: dict[str, Callable[..., float]]``, called with the result and the keyword arguments of ``measure``.
+    ``METRICS: dict[str, Callable[..., float]]``, called with the result and the keyword arguments of ``measure``;
+    ``SAMPLERS: dict[str, Callable[..., dict]]`` of its campaigns.
 ``figures.py`` (may be absent)
     ``FIGURES: list[PaperFigure]``: name, caption, the cases it needs, and a function of the results (by case) that
-    draws a `gyrostat.plots.Figure`. Its data are saved beside the picture.
+    draws a `gyrostat.plots.Figure`. Its data are saved beside the picture. An `EnsembleFigure` draws campaigns.
 """
 
 from __future__ import annotations
@@ -54,15 +56,17 @@ import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 from pydantic import Field
 
 from gyrostat import toml
 from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.model import Model
+from gyrostat.papers.campaigns import ENSEMBLE_METRICS, Campaign, CampaignEntry, Ensemble, build
 from gyrostat.papers.measures import METRICS, Measure
 from gyrostat.results import Result
 from gyrostat.scenario import Scenario
@@ -102,6 +106,7 @@ class ClaimsFile(Model):
     citation: str
     record: list[str] | None = None
     cases: dict[str, CaseEntry]
+    campaigns: Annotated[dict[str, CampaignEntry], Field(default_factory=dict)]
     claims: list[ClaimEntry]
 
 
@@ -132,7 +137,7 @@ class Claim:
     measure: Measure
     note: str
 
-    def evaluate(self, result: Result, results: Mapping[str, Result]) -> Evaluation:
+    def evaluate(self, result: Result | Ensemble, results: Mapping[str, Result]) -> Evaluation:
         """Measure it on the result of its case."""
         measured, trouble = None, ""
         try:
@@ -194,20 +199,33 @@ class PaperFigure:
 
 
 @dataclass(frozen=True)
+class EnsembleFigure:
+    """A figure of a study about its campaigns: `draw` gets what they measured, by campaign."""
+
+    name: str
+    caption: str
+    campaigns: Sequence[str]
+    draw: Callable[[Mapping[str, Ensemble]], Figure]
+
+
+@dataclass(frozen=True)
 class Paper:
-    """A study: cases, claims, figures."""
+    """A study: cases, campaigns, claims, figures."""
 
     id: str
     title: str
     citation: str
     cases: Mapping[str, Case]
     claims: tuple[Claim, ...]
-    figures: tuple[PaperFigure, ...]
+    figures: tuple[PaperFigure | EnsembleFigure, ...]
+    campaigns: Mapping[str, Campaign] = field(default_factory=dict)
 
     def needed_later(self) -> set[str]:
         """Cases whose results figures or claims about two cases ask for."""
         compared = [c for c in self.claims if c.measure.others]
-        return {c for f in self.figures for c in f.cases} | {o for c in compared for o in (c.case, *c.measure.others)}
+        return {c for f in self.figures if isinstance(f, PaperFigure) for c in f.cases} | {
+            o for c in compared for o in (c.case, *c.measure.others)
+        }
 
 
 @dataclass(frozen=True)
@@ -220,6 +238,8 @@ class Reproduction:
     """Of the cases that figures need."""
     endings: Mapping[str, str]
     """Cause of each case that ended early."""
+    ensembles: Mapping[str, Ensemble] = field(default_factory=dict)
+    """What the campaigns measured."""
 
     @property
     def failed(self) -> int:
@@ -260,15 +280,21 @@ def load(name: str) -> Paper:
         cases: dict[str, Case] = {}
         for key, entry in entries.cases.items():
             cases[key] = _case(folder, key, entry, entries.record, cases)
-        claims = tuple(c for claim in entries.claims for c in _claims(claim, cases, modules))
+        campaigns = {key: _campaign(key, campaign, cases, modules) for key, campaign in entries.campaigns.items()}
+        claims = tuple(c for claim in entries.claims for c in _claims(claim, cases, campaigns, modules))
         repeated = {c.id for c in claims if sum(c.id == other.id for other in claims) > 1}
         if repeated:
             raise InputError(f"claim '{min(repeated)}' stands twice")
         figures = tuple(modules.attribute("figures", "FIGURES", []))
-        unknown = {case for figure in figures for case in figure.cases} - set(cases)
-        if unknown:
-            raise InputError(f"a figure needs case '{min(unknown)}'{suggestion(min(unknown), cases)}")
-    return Paper(folder.name, entries.title, entries.citation, cases, claims, figures)
+        for figure in figures:
+            of_runs = isinstance(figure, EnsembleFigure)
+            what, needed, known = (
+                ("campaign", figure.campaigns, campaigns) if of_runs else ("case", figure.cases, cases)
+            )
+            unknown = set(needed) - set(known)
+            if unknown:
+                raise InputError(f"a figure needs {what} '{min(unknown)}'{suggestion(min(unknown), known)}")
+    return Paper(folder.name, entries.title, entries.citation, cases, claims, figures, campaigns)
 
 
 def reproduce(
@@ -293,6 +319,7 @@ def reproduce(
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
         longest_first = sorted(paper.cases.values(), key=lambda c: -c.scenario.duration / c.scenario.dt)
         runs = {pool.submit(c.scenario.run, progress=meter.of(c.id)): c.id for c in longest_first}
+        ensembles = {c.id: pool.submit(_fly, c, meter.of(c.id)) for c in paper.campaigns.values()}
         for run in as_completed(runs):
             case = runs.pop(run)
             result = run.result()
@@ -304,10 +331,22 @@ def reproduce(
             for claim in paper.claims:
                 if claim.case == case and not claim.measure.others:
                     found[claim.id] = claim.evaluate(result, {})
+    flown = {key: ensemble.result() for key, ensemble in ensembles.items()}
     for claim in paper.claims:
         if claim.id not in found:
-            found[claim.id] = claim.evaluate(results[claim.case], results)
-    return Reproduction(paper, tuple(found[c.id] for c in paper.claims), results, endings)
+            about = flown[claim.case] if claim.case in flown else results[claim.case]
+            found[claim.id] = claim.evaluate(about, results)
+    return Reproduction(paper, tuple(found[c.id] for c in paper.claims), results, endings, flown)
+
+
+def _fly(campaign: Campaign, progress: Callable[[float], None] | None) -> Ensemble:
+    """All runs of a campaign, one after the other: several campaigns, or cases beside it, keep the other cores busy."""
+    rows = []
+    for sample in campaign.samples():
+        rows.append(campaign.fly(sample))
+        if progress is not None:
+            progress(len(rows) / campaign.runs)
+    return Ensemble(campaign, {name: np.array([row[name] for row in rows]) for name in campaign.measures})
 
 
 class _Meter:
@@ -315,6 +354,8 @@ class _Meter:
 
     def __init__(self, paper: Paper, report: Callable[[float], None] | None) -> None:
         self._weight = {key: c.scenario.duration / c.scenario.dt for key, c in paper.cases.items()}
+        for key, campaign in paper.campaigns.items():
+            self._weight[key] = campaign.runs * campaign.scenario.duration / campaign.scenario.dt
         self._done = dict.fromkeys(self._weight, 0.0)
         self._report = report
         self._lock = threading.Lock()
@@ -370,18 +411,39 @@ def _case(folder: Path, key: str, entry: CaseEntry, record: Sequence[str] | None
     return Case(key, entry.title or scenario.description or key, scenario)
 
 
-def _claims(entry: ClaimEntry, cases: Mapping[str, Case], modules: _Extensions) -> list[Claim]:
+def _campaign(key: str, entry: CampaignEntry, cases: Mapping[str, Case], modules: _Extensions) -> Campaign:
+    with input_errors(f"campaign '{key}'"):
+        if key in cases:
+            raise InputError("a case has that name already")
+        if entry.like not in cases:
+            raise InputError(f"no case '{entry.like}'{suggestion(entry.like, cases)}")
+        samplers = modules.attribute("signals", "SAMPLERS", {})
+        return build(key, entry, cases[entry.like].scenario, samplers, lambda table: _measure(table, cases, modules))
+
+
+def _measure(table: Mapping[str, Any], cases: Mapping[str, Case], modules: _Extensions) -> Measure:
+    own_metrics, signals = (modules.attribute("signals", name, {}) for name in ("METRICS", "SIGNALS"))
+    return Measure.of(table, METRICS | own_metrics, signals, cases)
+
+
+def _claims(
+    entry: ClaimEntry, cases: Mapping[str, Case], campaigns: Mapping[str, Campaign], modules: _Extensions
+) -> list[Claim]:
     with input_errors(f"claim '{entry.id}'"):
         names = [entry.case] if isinstance(entry.case, str) else entry.case
         for name in names:
-            if name not in cases:
-                raise InputError(f"no case '{name}'{suggestion(name, cases)}")
-        measure = Measure.of(
-            entry.measure,
-            METRICS | modules.attribute("signals", "METRICS", {}),
-            modules.attribute("signals", "SIGNALS", {}),
-            cases,
-        )
+            if name not in cases and name not in campaigns:
+                raise InputError(f"no case '{name}'{suggestion(name, [*cases, *campaigns])}")
+        of_runs = [name in campaigns for name in names]
+        if any(of_runs) != all(of_runs):
+            raise InputError("cases and campaigns are measured by different claims")
+        if any(of_runs):
+            measure = Measure.of(entry.measure, ENSEMBLE_METRICS, {}, ())
+            for name in names:
+                if measure.signal not in campaigns[name].measures:
+                    raise InputError(f"campaign '{name}' does not measure '{measure.signal}'")
+        else:
+            measure = _measure(entry.measure, cases, modules)
         reported = None if entry.reported is None else _interval(entry.reported)
         accept = _interval(entry.accept)
     several = not isinstance(entry.case, str)
@@ -415,8 +477,11 @@ def _inside(value: float | None, ends: tuple[float, float]) -> bool:
 
 
 __all__ = [
+    "Campaign",
     "Case",
     "Claim",
+    "Ensemble",
+    "EnsembleFigure",
     "Evaluation",
     "Paper",
     "PaperFigure",

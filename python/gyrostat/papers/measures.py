@@ -170,8 +170,8 @@ class Measure:
         others = () if against is None else (str(against),)
         return cls(known[name], arguments, signals, signal, column, others)
 
-    def __call__(self, result: Result, results: Mapping[str, Result]) -> float:
-        """The measured number; `results` holds the other cases that the metric compares with."""
+    def __call__(self, result: Any, results: Mapping[str, Result]) -> float:
+        """The measured number of a result (or an ensemble); `results` holds the other cases that it compares with."""
         given: dict[str, Any] = dict(self.arguments)
         if self.signal is not None:
             given["signal"] = self._signal(result)
@@ -179,9 +179,9 @@ class Measure:
             given |= {"against": results[other], "other": self._signal(results[other])}
         return float(self.metric(result, **given))
 
-    def _signal(self, result: Result) -> Array:
+    def _signal(self, result: Any) -> Array:
         assert self.signal is not None
-        x = self.signals[self.signal](result) if self.signal in self.signals else result[self.signal]
+        x: Array = self.signals[self.signal](result) if self.signal in self.signals else result[self.signal]
         return x if self.column is None else x[:, self.column]
 
 

@@ -5,13 +5,18 @@
 
 #include "../flight/vehicles.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
+#include "gyrostat/flight/controllers/fast_terminal_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/finite_time.hpp"
 #include "gyrostat/flight/controllers/integral_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
 #include "gyrostat/flight/controllers/open_loop.hpp"
+#include "gyrostat/flight/controllers/prescribed_performance.hpp"
 #include "gyrostat/flight/controllers/saturated_pd.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
+#include "gyrostat/flight/detectors/threshold.hpp"
+#include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
+#include "gyrostat/flight/observers/iterative_learning.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
 #include "gyrostat/flight/stack.hpp"
 
@@ -34,6 +39,8 @@ void for_every_stack(const Setup<S>& s, auto&& with) {
   with(stack_of<Passthrough<S>, N, SaturatedPd<S>, P>(s));
   with(stack_of<Passthrough<S>, N, MrpFeedback<S>, P>(s));
   with(stack_of<Passthrough<S>, N, OpenLoop<S>, P>(s));
+  with(stack_of<AdaptiveIterativeLearningObserver<S>, ThresholdDetector<S>, PrescribedPerformance<S>, P>(s));
+  with(stack_of<IterativeLearningObserver<S>, ThresholdDetector<S>, FastTerminalSlidingMode<S>, P>(s));
 }
 
 /// A measurement of a body that turns and nods; no plant, so that nothing but flight is exercised.

@@ -4,12 +4,16 @@
 
 #include "closed_loop.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
+#include "gyrostat/flight/controllers/fast_terminal_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/finite_time.hpp"
 #include "gyrostat/flight/controllers/integral_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
+#include "gyrostat/flight/controllers/prescribed_performance.hpp"
 #include "gyrostat/flight/controllers/saturated_pd.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
+#include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
+#include "gyrostat/flight/observers/iterative_learning.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
 #include "gyrostat/flight/stack.hpp"
 #include "vehicles.hpp"
@@ -118,6 +122,8 @@ TEST(Defaults, TurnHalfAroundFromRest) {
   EXPECT_LT(error_deg(stack_of_defaults<O, FiniteTime<double>>(setup)), 0.01);
   EXPECT_LT(error_deg(stack_of_defaults<O, MrpFeedback<double>>(setup)), 0.01);
   EXPECT_LT(error_deg(stack_of_defaults<O, SaturatedPd<double>>(setup)), 0.01);
+  EXPECT_LT(error_deg(stack_of_defaults<O, PrescribedPerformance<double>>(setup)), 0.01);
+  EXPECT_LT(error_deg(stack_of_defaults<O, FastTerminalSlidingMode<double>>(setup)), 0.01);
 }
 
 class VehicleDefaults : public testing::TestWithParam<Craft> {};
@@ -137,6 +143,11 @@ TEST_P(VehicleDefaults, ProportionalLawsPointThroughAFaultWithTheirOffset) {
   EXPECT_LT((final_error_deg<O, MrpFeedback<double>>(GetParam())), 1);
   EXPECT_LT((final_error_deg<O, SaturatedPd<double>>(GetParam())), 1);
   EXPECT_LT((final_error_deg<O, FiniteTime<double>>(GetParam())), 1);
+}
+
+TEST_P(VehicleDefaults, LearningObserversPointThroughAFault) {
+  EXPECT_LT((final_error_deg<AdaptiveIterativeLearningObserver<double>, PrescribedPerformance<double>>(GetParam())), 1);
+  EXPECT_LT((final_error_deg<IterativeLearningObserver<double>, FastTerminalSlidingMode<double>>(GetParam())), 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Craft, VehicleDefaults, testing::ValuesIn(crafts),

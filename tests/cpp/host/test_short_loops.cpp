@@ -34,7 +34,7 @@ Table part(const std::string& family, const std::string& name) {
     t.set("actuator", 1);
     t.set("t_on", 0.2513);
   }
-  if (family == "sensor") {
+  if (name == "gyro" || name == "attitude") {
     t.set("noise", 1e-4);
     t.set("delay", 3);
     t.set("quantisation", 1e-5);

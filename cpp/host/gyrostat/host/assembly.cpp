@@ -184,6 +184,7 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   check_inertia(total, "truth: J_B + dJ_B");
   plant.J_B = nominal.J_B + t.dJ_B;
   plant.orbit_rate = nominal.orbit_rate;
+  plant.coordinates = nominal.coordinates;
   truth::Actuators& actuators = plant.actuators;
   actuators.u_lo = nominal.u_lo;
   actuators.u_up = nominal.u_up;
@@ -223,6 +224,7 @@ void read_initial(const Table& scenario, Assembly& a, const VecN<double>& wheel_
   const bool has_mrp = !i.mrp.hasNaN(), has_euler = !i.euler.hasNaN();
   if (int{has_q} + int{has_mrp} + int{has_euler} > 1) refuse("initial: give one of q_NB, mrp and euler");
   a.initial.q_NB = has_mrp ? quat_from_mrp(i.mrp) : has_euler ? quat_from_euler(i.euler) : i.q_NB;
+  a.initial.euler = has_euler ? i.euler : euler(a.initial.q_NB);
   a.initial.omega_BN_B = i.omega_BN_B;
   const VecN<double> speed = or_constant(i.wheel_speed, n, 0.0);
   a.initial.h_w = VecN<double>::Zero(n);

@@ -12,6 +12,12 @@
 
 namespace gyrostat::host {
 
+/// The class template behind a component, for code that is written from a scenario.
+struct CppClass {
+  std::string name;                               ///< "gyrostat::SaturatedPd", without its scalar
+  std::size_t bytes_double = 0, bytes_float = 0;  ///< size of an object
+};
+
 /// A flight component of one role, by name.
 template <class Base>
 struct Entry {
@@ -22,48 +28,60 @@ struct Entry {
   /// Reads the parameters (throws std::invalid_argument), then asks the component.
   std::function<Status<double>(const Setup<double>&, const Table&, const Place&)> check;
   std::function<std::unique_ptr<Base>(const Setup<double>&, const Table&, const Place&)> make;
+  /// The parameters that `make` takes, as their defaults.
+  std::function<std::vector<ParamInfo>(const Setup<double>&, const Table&, const Place&)> settings;
+  CppClass cpp;
 };
 
 namespace detail {
 
-template <class T, class Base, template <class> class ModelOf>
+/// From what the compiler calls this function: "... [with T = gyrostat::SaturatedPd<double>; ...]".
+template <class T>
+std::string class_name() {
+  const std::string text = __PRETTY_FUNCTION__;
+  const std::size_t from = text.find("T = ") + 4;
+  return text.substr(from, text.find('<', from) - from);
+}
+
+template <template <class> class Component, class Base, template <class> class ModelOf>
 Entry<Base> entry() {
+  using T = Component<double>;
   using Params = typename T::Params;
   const auto params = [](const Setup<double>& setup, const Table& table, const Place& place) {
     return read_params<Params>(default_params<T, double>(setup), table, place);
   };
-  return {T::name, traits_of<T>(),
+  return {T::name,
+          traits_of<T>(),
           [](const Setup<double>& setup) { return describe_params<Params>(default_params<T, double>(setup)); },
           [params](const Setup<double>& setup, const Table& table, const Place& place) {
-            const Params p = params(setup, table, place);
-            if constexpr (requires { T::check(setup, p); }) {
-              return T::check(setup, p);
-            } else {
-              return Status<double>{};
-            }
+            return component_check<T>(setup, params(setup, table, place));
           },
           [params](const Setup<double>& setup, const Table& table, const Place& place) -> std::unique_ptr<Base> {
             return std::make_unique<ModelOf<T>>(T(setup, params(setup, table, place)));
-          }};
+          },
+          [params](const Setup<double>& setup, const Table& table, const Place& place) {
+            return describe_params<Params>(params(setup, table, place));
+          },
+          {class_name<T>(), sizeof(T), sizeof(Component<float>)}};
 }
 
 }  // namespace detail
 
 template <template <class> class T>
 Entry<ObserverBase> observer() {
-  return detail::entry<T<double>, ObserverBase, detail::ObserverModel>();
+  return detail::entry<T, ObserverBase, detail::ObserverModel>();
 }
 template <template <class> class T>
 Entry<DetectorBase> detector() {
-  return detail::entry<T<double>, DetectorBase, detail::DetectorModel>();
+  return detail::entry<T, DetectorBase, detail::DetectorModel>();
 }
 template <template <class> class T>
 Entry<ControllerBase> controller() {
-  return detail::entry<T<double>, ControllerBase, detail::ControllerModel>();
+  return detail::entry<T, ControllerBase, detail::ControllerModel>();
 }
 template <template <class> class T>
 Entry<AllocatorBase> allocator() {
-  return detail::entry<T<double>, AllocatorBase, detail::AllocatorModel>();
+  return detail::entry<T, AllocatorBase, detail::AllocatorModel>();
 }
 
 /// The components of one role.

@@ -34,14 +34,16 @@ RunEnd fly(truth::Plant& plant, truth::Sensors& sensors, ReferencePath& referenc
   RunEnd end;
   try {
     for (Tick k = 0;; ++k) {
-      const Measurement<double> y = sensors.measure(k, plant.q_NB(), plant.omega_BN_B(), plant.h_w());
+      const Measurement<double> y = plant.flies_euler()
+                                        ? sensors.measure(k, plant.euler(), plant.h_w())
+                                        : sensors.measure(k, plant.q_NB(), plant.omega_BN_B(), plant.h_w());
       const Reference<double>& ref = reference.at(k);
       watcher.before(y, stack.last());
       stack.step(y, ref);
       end.time = plant.time();
       watcher.after(k, y, ref);
       if (stack.last().status.has(Flag::singular)) {
-        const double pitch_deg = y.euler.angles[1] * 57.295779513082320877;
+        const double pitch_deg = plant.euler().angles[1] * 57.295779513082320877;
         end.code = RunEnd::Code::singular;
         end.cause = "Euler angles are singular: pitch " + std::to_string(pitch_deg) +
                     " deg at t = " + std::to_string(end.time) + " s";

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "gyrostat/core/attitude.hpp"
+#include "gyrostat/flight/euler_model.hpp"
 #include "gyrostat/host/value.hpp"
 
 namespace gyrostat::host {
@@ -29,26 +30,42 @@ void put(const Quat<double>& q, double* out) {
 }
 void put(double x, double* out) { *out = x; }
 
-/// w x (J w + D h_w), nominal.
-Vec3<double> gyroscopic(const Vehicle<double>& v, const Vec3<double>& omega, const VecN<double>& h_w) {
-  return omega.cross(v.J_B * omega + torque<double>(v.D_B, h_w));
+/// What the nominal model takes from J w': w x (J w + D h_w), and -J g in the Euler-angle model.
+Vec3<double> gyroscopic(const Vehicle<double>& v, const Vec3<double>& angles, const Vec3<double>& omega,
+                        const VecN<double>& h_w) {
+  return -known_torque<double>(v, angles, omega, h_w);
+}
+
+/// Angles that the model depends on; a body's does not.
+Vec3<double> angles_of(const Moment& m) {
+  return m.vehicles.nominal.coordinates == Coordinates::euler_angles ? m.euler().angles : Vec3<double>::Zero();
 }
 
 Vec3<double> lumped(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
-  return v.J_B * m.truth().omegadot_BN_B + gyroscopic(v, m.omega_BN_B(), m.h_w()) - torque<double>(v.D_B, *m.u_held);
+  return v.J_B * m.truth().omegadot_BN_B + gyroscopic(v, angles_of(m), m.omega_BN_B(), m.h_w()) -
+         torque<double>(v.D_B, *m.u_held);
 }
 
 /// Interval mean; the gyroscopic term by the trapezoid.
 Vec3<double> lumped_mean(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
-  const Vec3<double> mean =
-      0.5 * (gyroscopic(v, m.omega_BN_B(), m.h_w()) + gyroscopic(v, *m.omega_before_B, *m.h_w_before));
+  const Vec3<double> mean = 0.5 * (gyroscopic(v, angles_of(m), m.omega_BN_B(), m.h_w()) +
+                                   gyroscopic(v, *m.angles_before, *m.omega_before_B, *m.h_w_before));
   return v.J_B * (m.omega_BN_B() - *m.omega_before_B) / m.vehicles.dt + mean - torque<double>(v.D_B, *m.u_held);
 }
 
 AttitudeError<double> error_of(const Moment& m) {
   return attitude_error(m.q_NB(), m.omega_BN_B(), m.ref->q_NR, m.ref->omega_RN_R);
+}
+
+/// The angles of a body are known up to full turns, those of the Euler-angle model are states.
+Vec3<double> euler_error(const Moment& m) {
+  Vec3<double> z = m.euler().angles - m.ref->euler.angles;
+  if (m.vehicles.nominal.coordinates == Coordinates::body) {
+    for (double& angle : z) angle = wrapped(angle);
+  }
+  return z;
 }
 
 struct Known {
@@ -67,7 +84,8 @@ const Known known[] = {
     {"truth.omega_BN_B", 3, "rad/s", "body rate", [](M m, double* o) { put(m.omega_BN_B(), o); }, true},
     {"truth.mrp", 3, "", "attitude as MRP of the short way, |sigma| <= 1",
      [](M m, double* o) { put(mrp(short_way(m.q_NB())), o); }},
-    {"truth.euler", 3, "rad", "roll, pitch, yaw", [](M m, double* o) { put(euler(m.q_NB()), o); }},
+    {"truth.euler", 3, "rad", "roll, pitch, yaw", [](M m, double* o) { put(m.euler().angles, o); }},
+    {"truth.euler_rates", 3, "rad/s", "rates of roll, pitch, yaw", [](M m, double* o) { put(m.euler().rates, o); }},
     {"truth.h_w", per_actuator, "N m s", "axial wheel momentum in inertial space",
      [](M m, double* o) { put(m.h_w(), o); }},
     {"truth.delivered", per_actuator, "N m", "torque on the body that the actuators gave",
@@ -89,6 +107,10 @@ const Known known[] = {
      [](M m, double* o) { put(mrp(short_way(error_of(m).q_RB)), o); }},
     {"error.omega_BR_B", 3, "rad/s", "body rate relative to the reference",
      [](M m, double* o) { put(error_of(m).omega_BR_B, o); }},
+    {"error.euler", 3, "rad", "roll, pitch, yaw less those of the reference",
+     [](M m, double* o) { put(euler_error(m), o); }},
+    {"error.euler_rates", 3, "rad/s", "rates of roll, pitch, yaw less those of the reference",
+     [](M m, double* o) { put(Vec3<double>(m.euler().rates - m.ref->euler.rates), o); }},
     {"measurement.q_NB", 4, "", "measured attitude", [](M m, double* o) { put(m.y->q_NB, o); }},
     {"measurement.omega_BN_B", 3, "rad/s", "measured rate", [](M m, double* o) { put(m.y->omega_BN_B, o); }},
     {"measurement.h_w", per_actuator, "N m s", "measured wheel momentum", [](M m, double* o) { put(m.y->h_w, o); }},

@@ -43,8 +43,10 @@ class Moment {
   const VecN<double>* u_held = nullptr;          ///< command over the interval just ended
   const Vec3<double>* omega_before_B = nullptr;  ///< true rate one sample ago
   const VecN<double>* h_w_before = nullptr;      ///< true wheel momentum one sample ago
+  const Vec3<double>* angles_before = nullptr;   ///< true Euler angles one sample ago; the Euler-angle model only
   const Vec3<double>& omega_BN_B() const { return plant_.omega_BN_B(); }
   const Quat<double>& q_NB() const { return plant_.q_NB(); }
+  EulerState<double> euler() const { return plant_.euler(); }
   const VecN<double>& h_w() const { return plant_.h_w(); }
 
   /// A new sample: forget what was computed for the one before.

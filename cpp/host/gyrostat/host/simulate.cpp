@@ -98,6 +98,7 @@ class Watcher {
     u_held_ = VecN<double>::Zero(a.setup.vehicle.actuators());
     omega_before_ = plant.omega_BN_B();
     h_w_before_ = plant.h_w();
+    if (plant.flies_euler()) angles_before_ = plant.euler().angles;
   }
 
   void before(const Measurement<double>& y, const Allocation<double>& last) {
@@ -121,11 +122,13 @@ class Watcher {
       moment_.u_held = &u_held_;
       moment_.omega_before_B = &omega_before_;
       moment_.h_w_before = &h_w_before_;
+      moment_.angles_before = &angles_before_;
       recorder_->record(moment_);
     }
     if (previous_) {
       omega_before_ = plant_.omega_BN_B();
       h_w_before_ = plant_.h_w();
+      if (plant_.flies_euler()) angles_before_ = plant_.euler().angles;
     }
     clock_.look(k);
   }
@@ -145,6 +148,7 @@ class Watcher {
   bool previous_, started_ = false;
   VecN<double> u_held_, h_w_before_;
   Vec3<double> omega_before_;
+  Vec3<double> angles_before_ = Vec3<double>::Zero();
 };
 
 struct Parts {
@@ -249,7 +253,7 @@ RunResult simulate(const Table& scenario, const ExternalComponents& external, co
   const Assembly a = assemble(scenario);
   const RunOptions options = with_record_block(given, a.record);
   truth::Plant plant(a.plant, a.initial, a.setup.dt);
-  truth::Sensors sensors(a.sensors, a.run.seed, 0, wants_euler(a, options));
+  truth::Sensors sensors(a.sensors, a.run.seed, 0, wants_euler(a, options), a.setup.dt);
   ReferencePath reference(a.reference, a.setup.dt);
   Parts parts(a, external);
   std::optional<Recorder> recorder;
