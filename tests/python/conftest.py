@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Scenarios that many tests start from."""
+"""Scenarios that many tests start from, and the reproduction of a study."""
 
 from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -33,3 +39,21 @@ def scenario() -> gs.Scenario:
 def result(scenario: gs.Scenario) -> gs.Result:
     """What flying it gives."""
     return scenario.run()
+
+
+@pytest.fixture(scope="module")
+def report(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What ``gyrostat reproduce --out`` leaves for the module's ``PAPER``, with its JSON output in ``out.json``."""
+    folder = tmp_path_factory.mktemp("report")
+    start = "from gyrostat.cli import main; main()"
+    command = [sys.executable, "-c", start, "reproduce", request.module.PAPER, "--json", "--out", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    (folder / "out.json").write_text(done.stdout)
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr
+    return folder
+
+
+@pytest.fixture(scope="module")
+def claims(report: Path) -> dict[str, Any]:
+    """What ``--json`` printed."""
+    return json.loads((report / "out.json").read_text())

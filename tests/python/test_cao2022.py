@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 import subprocess
 import sys
@@ -22,23 +21,7 @@ from gyrostat.papers.cao2022 import signals
 
 Array = NDArray[np.float64]
 
-
-@pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder that ``gyrostat reproduce cao2022 --out`` leaves, with its JSON output in ``out.json``."""
-    folder = tmp_path_factory.mktemp("report")
-    start = "from gyrostat.cli import main; main()"
-    command = [sys.executable, "-c", start, "reproduce", "cao2022", "--json", "--out", str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    (folder / "out.json").write_text(done.stdout)
-    assert done.returncode == 0, done.stdout[-4000:] + done.stderr
-    return folder
-
-
-@pytest.fixture(scope="module")
-def claims(report: Path) -> dict[str, Any]:
-    """What ``--json`` printed."""
-    return json.loads((report / "out.json").read_text())
+PAPER = "cao2022"
 
 
 def case(name: str) -> gs.Scenario:

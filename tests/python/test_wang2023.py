@@ -4,9 +4,6 @@
 from __future__ import annotations
 
 import itertools
-import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,23 +13,7 @@ import pytest
 from gyrostat import papers
 from gyrostat.papers.wang2023 import signals
 
-
-@pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder that ``gyrostat reproduce wang2023 --out`` leaves, with its JSON output in ``out.json``."""
-    folder = tmp_path_factory.mktemp("report")
-    start = "from gyrostat.cli import main; main()"
-    command = [sys.executable, "-c", start, "reproduce", "wang2023", "--json", "--out", str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    (folder / "out.json").write_text(done.stdout)
-    assert done.returncode == 0, done.stdout[-4000:] + done.stderr
-    return folder
-
-
-@pytest.fixture(scope="module")
-def claims(report: Path) -> dict[str, Any]:
-    """What ``--json`` printed."""
-    return json.loads((report / "out.json").read_text())
+PAPER = "wang2023"
 
 
 def test_every_claim_is_accepted(claims: dict[str, Any]) -> None:
