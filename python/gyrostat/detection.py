@@ -50,8 +50,8 @@ class DetectionReport:
     isolation: NDArray[np.int_]
     """Counts, shape (n, n + 2): row the actuator that changed; columns the actuator named alone, ambiguous, missed."""
     error: Array
-    """Root mean square of the effectiveness less the truth, an actuator, shape (n,): the estimate, with what the detector
-    maps of a torque estimate onto the actuators that push where ``detector.effectiveness`` was recorded."""
+    """Root mean square of the effectiveness less the truth, an actuator, shape (n,); with ``detector.effectiveness`` it
+    counts what the detector maps of a torque estimate onto the actuators that push."""
 
     @property
     def missed(self) -> int:

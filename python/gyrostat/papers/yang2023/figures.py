@@ -185,7 +185,7 @@ def _each_second(result: Result, x: Array) -> tuple[Array, Array]:
 
 
 def _certificate(results: Results) -> Figure:
-    figure = Figure("Robust allocation at 100 Hz: the certificate, worst sample of each second", rows=2, size=(8.5, 5.0))
+    figure = Figure("Robust allocation at 100 Hz: worst certificate of each second", rows=2, size=(8.5, 5.0))
     for case, label in _weights:
         result = results[case]
         gap = np.maximum(signals.relative_gap(result), 1e-17)
