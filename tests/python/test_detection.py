@@ -15,7 +15,7 @@ import pytest
 
 import gyrostat as gs
 from gyrostat import _core, detection, papers
-from gyrostat.design import iterative_learning
+from gyrostat.design import CHECKS, Finding, iterative_learning
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 TABLE, ISOLATION = GOLDEN / "detection.csv", GOLDEN / "isolation.csv"
@@ -215,15 +215,38 @@ def test_the_published_stability_condition(gains: tuple[float, float, float, flo
     assert (iterative_learning.theorem_slack(*gains) < 0.0) is holds
 
 
-def test_check_says_what_a_learning_observer_can_find() -> None:
-    wheels = gs.Scenario.load("ftc_4rw").replace(observer="iterative_learning")
-    found = {f.name: f for f in iterative_learning.findings(wheels)}
-    assert found["error loop"].ok is True
-    assert found["identifiable"].value == 3.0
-    assert "no trace of" in found["identifiable"].text
+def finding(scenario: gs.Scenario, name: str) -> Finding | None:
+    return next((f for look in CHECKS for f in look(scenario) if f.name == name), None)
+
+
+@pytest.mark.parametrize(
+    "observer", ["iterative_learning", "adaptive_sliding_mode", "learning_effectiveness", "finite_time_disturbance"]
+)
+def test_check_says_what_four_wheels_cannot_show(observer: str) -> None:
+    wheels = gs.Scenario.load("ftc_4rw").replace(observer=observer, detector="threshold")
+    found = finding(wheels, "identifiable")
+    assert found is not None
+    assert found.value == 3.0
+    assert found.ok is None, "no verdict: other commands may show it"
+    assert "no trace of" in found.text
+
+
+def test_check_says_what_the_bench_shows() -> None:
     bench = papers.load("yang2023").cases["fd_a"].scenario
-    found = {f.name: f for f in iterative_learning.findings(bench)}
-    assert found["identifiable"].ok is True
+    found = finding(bench, "identifiable")
+    assert found is not None
+    assert found.ok is True
+    assert "over the open-loop commands" in found.text
+    assert finding(four_wheels(1).replace(observer="learning_effectiveness"), "identifiable").ok is True  # type: ignore[union-attr]
+    for quiet in ({"observer": "passthrough"}, {"observer": "finite_time_disturbance", "detector": "none"}):
+        assert finding(bench.replace(**quiet), "identifiable") is None, "nobody estimates effectiveness there"
+
+
+def test_check_holds_the_error_loop_of_an_iterative_learning_observer() -> None:
+    bench = papers.load("yang2023").cases["fd_a"].scenario
+    names = {f.name: f for f in iterative_learning.findings(bench)}
+    assert names["error loop_0"].ok is True
+    assert names["error loop_max"].ok is True
     assert iterative_learning.findings(gs.Scenario.load("ftc_4rw")) == []
     leaky = bench.replace(**{"observer.k3": 0.99})
     memory = next(f for f in iterative_learning.findings(leaky) if f.name == "memory")

@@ -11,6 +11,7 @@ from gyrostat.design import (
     compensation,
     feasibility,
     feasible_time,
+    identifiability,
     iterative_learning,
     learning_disturbance,
     learning_effectiveness,
@@ -33,6 +34,7 @@ from gyrostat.design.registry import Design, DesignReport
 from gyrostat.scenario import Scenario
 
 CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
+    identifiability.findings,
     iterative_learning.findings,
     learning_disturbance.findings,
     learning_effectiveness.findings,
@@ -60,6 +62,7 @@ __all__ = [
     "effectiveness_range",
     "feasibility",
     "feasible_time",
+    "identifiability",
     "iterative_learning",
     "learning_disturbance",
     "learning_effectiveness",
