@@ -228,9 +228,9 @@ def check(
 
     With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
     loop. With a finite-time disturbance observer it says whether feeding the estimate forward through weakened
-    actuators is stable, unstable or unproven, with the critical effectiveness. With an observer of effectiveness it says
-    what cannot be identified. It also says which torque the actuators can give in every direction, healthy and when the
-    faults leave them least. Exit status 1 if a check fails.
+    actuators is stable, unstable or unproven, with the critical effectiveness. With an observer of effectiveness it
+    says what cannot be identified. It also says which torque the actuators can give in every direction, healthy and
+    when the faults leave them least. Exit status 1 if a check fails.
 
     Examples: `gyrostat check wheel2_degraded --torque 0.1 0.2 0`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """

@@ -2,8 +2,8 @@
 """Gain design, theorem margins and feasibility, in numpy: a module for each law or question.
 
 `CHECKS` is what ``gyrostat check`` asks besides the components themselves: each takes a scenario and returns its
-findings, none when the scenario does not fly what it knows about. `findings` is all of them, and the questions that take
-an option. `DESIGNS` is what ``gyrostat design`` offers.
+findings, none when the scenario does not fly what it knows about. `findings` is all of them, with the questions that
+take an option. `DESIGNS` is what ``gyrostat design`` offers.
 """
 
 from collections.abc import Callable, Sequence
