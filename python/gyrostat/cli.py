@@ -228,32 +228,23 @@ def check(
 
     With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
     loop. With a finite-time disturbance observer it says whether feeding the estimate forward through weakened
-    actuators is stable, unstable or unproven, with the critical effectiveness. It also says which torque the actuators
-    can give in every direction, healthy and when the faults leave them least. Exit status 1 if a check fails.
+    actuators is stable, unstable or unproven, with the critical effectiveness. With an observer of effectiveness it
+    says what cannot be identified. It also says which torque the actuators can give in every direction, healthy and
+    when the faults leave them least. Exit status 1 if a check fails.
 
     Examples: `gyrostat check wheel2_degraded --torque 0.1 0.2 0`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """
-    from gyrostat.design import CHECKS, scenario_margin, torque_findings
+    from gyrostat import design
 
     checked = _scenario(scenario, settings)
     rows = checked.check()
-    findings = [finding for look in CHECKS for finding in look(checked)]
-    findings += torque_findings(checked, torque, fly=fly)
-    margin = scenario_margin(checked, effectiveness)
+    findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
     if as_json:
-        _print_json(
-            {
-                "checks": rows,
-                "design": [vars(f) for f in findings],
-                "compensation": None if margin is None else vars(margin),
-            }
-        )
+        _print_json({"checks": rows, "design": [vars(f) for f in findings]})
     else:
         lines = [(r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows]
         verdicts = {True: "ok: ", False: "fails: ", None: ""}
         lines += [(f.where, f.name, verdicts[f.ok] + f.text) for f in findings]
-        if margin is not None:
-            lines.append(("compensation", checked.resolve()["observer"]["type"], str(margin)))
         _print_columns(lines)
     if not all(r["ok"] for r in rows) or any(f.ok is False for f in findings):
         raise typer.Exit(1)

@@ -8,14 +8,17 @@ declaration that belongs to no change is a false alarm.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gyrostat._core import catalogue
+from gyrostat.components import Component
 from gyrostat.results import Result
+from gyrostat.scenario import Scenario
 
 Array = NDArray[np.float64]
 Answer = Literal["isolated", "ambiguous", "wrong", "missed"]
@@ -47,12 +50,17 @@ class DetectionReport:
     isolation: NDArray[np.int_]
     """Counts, shape (n, n + 2): row the actuator that changed; columns the actuator named alone, ambiguous, missed."""
     error: Array
-    """Root mean square of the effectiveness estimate less the truth, an actuator, shape (n,)."""
+    """Root mean square of the effectiveness less the truth, an actuator, shape (n,); with ``detector.effectiveness`` it
+    counts what the detector maps of a torque estimate onto the actuators that push."""
 
     @property
     def missed(self) -> int:
         """Number of changes without a declaration."""
-        return sum(c.answer == "missed" for c in self.changes)
+        return self.count("missed")
+
+    def count(self, answer: Answer) -> int:
+        """Number of changes with this answer."""
+        return sum(c.answer == answer for c in self.changes)
 
     @property
     def delays(self) -> Array:
@@ -145,8 +153,8 @@ def detection_report(result: Result, role: str = "", *, least: float = 0.15, hor
     Parameters
     ----------
     result
-        Must hold ``truth.effectiveness``, the role's ``estimate.effectiveness``, ``detection.event`` and
-        ``detector.declared`` (or ``detection.changed``), recorded at every sample.
+        Must hold ``truth.effectiveness``, the role's ``detector.effectiveness`` (or ``estimate.effectiveness``),
+        ``detection.event`` and ``detector.declared`` (or ``detection.changed``), recorded at every sample.
     role
         "" for the pair that closes the loop, ``"shadow0"``, ... for those beside it.
     least
@@ -155,10 +163,47 @@ def detection_report(result: Result, role: str = "", *, least: float = 0.15, hor
         s, how long after a jump a declaration still belongs to it.
     """
     e = result["truth.effectiveness"]
-    estimate = result[f"{role}.estimate.effectiveness" if role else "estimate.effectiveness"]
+    prefix = f"{role}." if role else ""
+    mapped, own = f"{prefix}detector.effectiveness", f"{prefix}estimate.effectiveness"
+    estimate = result[mapped if mapped in result else own]
     found, false, isolation = evaluate(true_changes(result, least), declarations(result, role), e.shape[1], horizon)
     error = np.sqrt(np.mean((estimate[1:] - e[1:]) ** 2, axis=0))
     return DetectionReport(found, false, isolation, error)
+
+
+def compare(
+    scenario: Scenario,
+    observers: Mapping[str, Component | Mapping[str, Any] | str] | None = None,
+    *,
+    least: float = 0.15,
+    horizon: float = 4.0,
+) -> dict[str, DetectionReport]:
+    """Hold observers against each other: all on the same measurements and commands, each with the scenario's detector.
+
+    Parameters
+    ----------
+    scenario
+        What is flown; its own observer closes the loop. Its detector must declare changes (`threshold`).
+    observers
+        By label; every observer of the catalogue with its default parameters when not given.
+    least, horizon
+        As in `detection_report`.
+
+    Returns
+    -------
+    dict
+        A report by label. An observer of one lumped torque is heard through the detector, which maps its ``d_B`` onto
+        the actuators that push.
+    """
+    chosen = observers or {name: name for name in catalogue()["observer"]}
+    detector = scenario.resolve()["detector"]
+    roles = {label: f"shadow{k}" for k, label in enumerate(chosen)}
+    wanted = ("detector.effectiveness", "detector.declared", "detection.event")
+    beside = scenario.replace(
+        shadows=[{"observer": observer, "detector": detector} for observer in chosen.values()], record=None
+    )
+    flown = beside.run(channels=["truth.effectiveness", *(f"{r}.{c}" for r in roles.values() for c in wanted)])
+    return {label: detection_report(flown, role, least=least, horizon=horizon) for label, role in roles.items()}
 
 
 @dataclass(frozen=True)
@@ -226,6 +271,7 @@ __all__ = [
     "Change",
     "DetectionReport",
     "Identifiability",
+    "compare",
     "declarations",
     "detection_report",
     "evaluate",
