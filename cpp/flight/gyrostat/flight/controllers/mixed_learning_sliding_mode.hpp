@@ -26,7 +26,7 @@ class MixedLearningSlidingMode {
   static constexpr bool switching = true;
   static constexpr bool regulates = true;
 
-  struct Params : SlidingGains<S> {
+  struct Params : SurfaceGains<S> {
     Mat3<S> K3 = Mat3<S>::Identity();
     S sigma3 = S(0.01);
     S sigma4 = S(0.99);
@@ -37,7 +37,7 @@ class MixedLearningSlidingMode {
 
     static constexpr void describe(auto& p, auto&& field) {
       constexpr double infinite = std::numeric_limits<double>::infinity();
-      SlidingGains<S>::describe(p, field);
+      SurfaceGains<S>::describe(p, field);
       field(p.K3, Field{"K3", "N m s", -1e9, 1e9, "torque learnt per s"});
       field(p.sigma3, Field{"sigma3", "", -1, 1, "share of s `delay` samples ago"});
       field(p.sigma4, Field{"sigma4", "", 0, 1, "share of the present s"});
@@ -49,10 +49,10 @@ class MixedLearningSlidingMode {
 
     MixedLearningGains<S> learning() const noexcept { return {K3, sigma4, sigma3, theta3, delay, clamp}; }
 
-    /// `SlidingGains`; the learning has the bandwidth f of the linear part, keeps 0.999 and is clamped at the usable torque.
+    /// `SurfaceGains`; the learning has the bandwidth f of the linear part, keeps 0.999 and is clamped at the usable torque.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
-      static_cast<SlidingGains<S>&>(p) = SlidingGains<S>::defaults(setup);
+      static_cast<SurfaceGains<S>&>(p) = SurfaceGains<S>::defaults(setup);
       const S f = default_stiffness(setup).frequency;
       p.K3 = f * f * setup.dt * setup.vehicle.J_B;
       p.theta3 = S(0.999);

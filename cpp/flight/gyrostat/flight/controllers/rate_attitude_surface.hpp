@@ -54,7 +54,7 @@ class RateAttitudeSurface {
 
 /// What every sliding mode on this surface has: slope of the surface, gains of reaching it, compensation.
 template <class S>
-struct SlidingGains {
+struct SurfaceGains {
   S delta = S(0.1);
   S k_lin = S(3);
   S k_sgn = S(0.01);
@@ -69,7 +69,7 @@ struct SlidingGains {
 
   /// a = usable torque, f = natural frequency of the default stiffness, J = largest inertia: the attitude decays at 0.7 f,
   /// k_lin = J f, k_sgn = a / 20, and the layer ends where the linear torque is as large.
-  static SlidingGains defaults(const Setup<S>& setup) noexcept {
+  static SurfaceGains defaults(const Setup<S>& setup) noexcept {
     const S f = default_stiffness(setup).frequency;
     const S k_lin = largest_inertia(setup.vehicle.J_B) * f, k_sgn = S(0.05) * usable_torque(setup.vehicle);
     return {S(1.4) * f, k_lin, k_sgn, k_sgn / k_lin};

@@ -27,24 +27,24 @@ class SlidingMode {
   static constexpr bool regulates = true;
   static constexpr int nodes = 13;  ///< the origin, and one each way along each of the six inputs
 
-  struct Params : SlidingGains<S> {
+  struct Params : SurfaceGains<S> {
     bool compensate = false;
     S network_rate = S(0);
     S network_leak = S(0.05);
     S network_reach = S(0.5);
 
     static constexpr void describe(auto& p, auto&& field) {
-      SlidingGains<S>::describe(p, field);
+      SurfaceGains<S>::describe(p, field);
       field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
       field(p.network_rate, Field{"network_rate", "N m/rad", 0, 1e9, "adaptation of the network; 0: none"});
       field(p.network_leak, Field{"network_leak", "rad/(N m s)", 0, 1e9, "forgetting, per |s|"});
       field(p.network_reach, Field{"network_reach", "", 1e-3, 1e3, "distance of the nodes, and their width"});
     }
 
-    /// `SlidingGains`, no network.
+    /// `SurfaceGains`, no network.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
-      static_cast<SlidingGains<S>&>(p) = SlidingGains<S>::defaults(setup);
+      static_cast<SurfaceGains<S>&>(p) = SurfaceGains<S>::defaults(setup);
       return p;
     }
   };
