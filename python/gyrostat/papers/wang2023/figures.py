@@ -242,8 +242,8 @@ FIGURES = [
     PaperFigure("fig4", "Fig. 4. Error of the predicted rate.", ["mlsmc"], _figure_4),
     PaperFigure(
         "fig5",
-        "Fig. 5. Fault about x: mixed and iterative learning agree at equal gains, one curve covers the other; what differs is "
-        "the sign gain.",
+        "Fig. 5. Fault about x: mixed and iterative learning agree at equal gains, one curve covers the other; what "
+        "differs is the sign gain.",
         [*_observers],
         _figure_5,
     ),
@@ -253,8 +253,8 @@ FIGURES = [
     PaperFigure("fig9", "Fig. 9. Sliding variable.", [*_laws], _figure_9),
     PaperFigure(
         "fig10",
-        "Fig. 10. Torque learnt from the sliding variable: next to nothing after the reaching phase, since the switching torque "
-        "of 0.01 N m takes what the observer leaves, 0.005 N m.",
+        "Fig. 10. Torque learnt from the sliding variable: next to nothing after the reaching phase, since the "
+        "switching torque of 0.01 N m takes what the observer leaves, 0.005 N m.",
         ["mlsmc"],
         _figure_10,
     ),
@@ -279,8 +279,8 @@ FIGURES = [
     ),
     PaperFigure(
         "terminal",
-        "Terminal against linear surfaces, warm start, learnt torques clamped: half the time of the published slope for a fifth "
-        "more energy; against twice that slope, which costs the same, the gain is in the last decades.",
+        "Terminal against linear surfaces, warm start, learnt torques clamped: half the time of the published slope "
+        "for a fifth more energy; against twice that slope, which costs the same, the gain is in the last decades.",
         [*_future],
         _terminal,
     ),
