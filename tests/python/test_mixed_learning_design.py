@@ -65,8 +65,8 @@ COMPLIANT = design_observer(J, 1e-3, P1=88.2, sigma2=0.98, sigma1=0.02, theta1=0
 PROPER = design_observer(J, 1e-3, P1=1.0, sigma1=0.1, theta1=0.005, theta2=0.99).loop
 SETS = {
     "published, P1 = I": (table(), 1.0, (0.685, 80.0, 2.98e-4, -23.6, 2.6e-3), 0.994995),
-    "published, P1 = 81 I": (table(), 81.0, (0.685, None, 2.98e-4, -23.6, 2.6e-3), 0.994995),
-    "exchanged": (table(K2, K1), 1.0, (0.685, 3.29, 2.98e-4, 0.938, 2.6e-3), 0.998634),
+    "published, P1 = 81 I": (table(), 81.0, (0.685, 1.33e-5, 2.98e-4, -23.6, 2.6e-3), 0.994995),
+    "exchanged": (table(K2, K1), 1.0, (0.685, 3.31, 2.98e-4, 0.938, 2.6e-3), 0.998634),
     "P1 = I": (PROPER, 1.0, (8.46e-3, 0.0, 2.98e-4, 0.996, 2.6e-3), 0.999281),
     "compliant": (COMPLIANT, 88.2, (0.746, 0.0, 2.98e-4, 0.0154, 2.6e-3), 0.994985),
     "six steps": (design_observer(J, 1e-3).loop, 81.0, (0.685, 0.0, 3e-4, 3e-4, 2.4e-3), 0.994984),
@@ -78,8 +78,7 @@ def test_margins_and_radius_of_the_known_sets(name: str) -> None:
     loop, P1, expected, radius = SETS[name]
     margins = observer_margins(loop, P1, disturbance=DISTURBANCE)
     for value, wanted in zip(margins.values(), expected, strict=True):
-        if wanted is not None:
-            assert value == pytest.approx(wanted, rel=5e-3, abs=1e-12)
+        assert value == pytest.approx(wanted, rel=5e-3, abs=1e-12)
     assert loop.spectral_radius() == pytest.approx(radius, abs=1.1e-6)
     failing = {key for key, holds in conditions_hold(margins).items() if not holds}
     known = {"published, P1 = I": {"r12", "m14"}, "published, P1 = 81 I": {"m14"}, "exchanged": {"r12"}}
@@ -88,8 +87,7 @@ def test_margins_and_radius_of_the_known_sets(name: str) -> None:
 
 def test_the_residual_of_the_published_gains_is_the_rounding_of_the_table() -> None:
     residual = observer_margins(table(), 81.0)["r12"]
-    assert residual == pytest.approx(1.87e-5, rel=0.01)
-    assert residual < 3 * 5e-5 / 4.3, "half a unit of the last digit in every entry"
+    assert residual < 3 * 5e-5 * 0.9 / np.linalg.norm(81.0 * np.linalg.inv(J)), "half a unit in every of nine entries"
 
 
 def test_the_design_values_of_the_defaults() -> None:
@@ -359,6 +357,8 @@ def test_an_unstable_gain_set_is_refused_with_its_number_and_can_be_flown_on_req
         refused.run()
     assert table(keep=1.0).spectral_radius() == pytest.approx(1.0000075836, abs=1e-9)
     assert table(keep=1.0, now=1.0, before=0.0).spectral_radius() == pytest.approx(0.9999947910, abs=1e-9)
+    assert table(keep=1.0, now=0.957, before=0.043).spectral_radius() < 1.0
+    assert table(keep=1.0, now=0.956, before=0.044).spectral_radius() > 1.0
     assert case.replace(duration=0.1).run(channels=["truth.q_NB"]).completed
 
 

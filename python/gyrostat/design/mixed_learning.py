@@ -61,7 +61,7 @@ class LearningDesign:
     P: Array
     """Weight of the error in the Lyapunov-Krasovskii functional."""
     margins: dict[str, float]
-    """By condition, positive where it holds; `r12` and `r34` are residuals of an equality."""
+    """By condition, positive where it holds; `r12` and `r34` are residuals of an equality, Frobenius."""
 
     @property
     def holds(self) -> bool:
@@ -104,7 +104,7 @@ def observer_margins(
     PJ = as_matrix(P1) @ np.linalg.inv(loop.J) * rate_unit
     return {
         "m11": -_largest(-2.0 * a1 * loop.now * K2.T @ K1 + (a1 * eta**2 + 1.0) * np.eye(3)),
-        "r12": float(np.linalg.norm(PJ - a1 * loop.now * K2.T, 2) / np.linalg.norm(PJ, 2)),
+        "r12": float(np.linalg.norm(PJ - a1 * loop.now * K2.T) / np.linalg.norm(PJ)),
         "m13": 1.0 - a1 * loop.keep**2 * (1.0 + e1 + e2),
         "m14": -_largest(a1 * loop.before**2 * (1.0 + 1.0 / e1 + e3) * K2.T @ K2 - np.eye(3)),
         "m15": loop.sign_gain - disturbance,
@@ -124,7 +124,7 @@ def sliding_margins(
     PJ, K3 = rate_unit * as_matrix(P2) @ np.linalg.inv(loop.J), rate_unit * loop.K
     return {
         "m33": -_largest(-2.0 * rate_unit * PJ @ loop.K_lin + np.eye(3)),
-        "r34": float(np.linalg.norm(PJ - a3 * loop.now * K3.T, 2) / np.linalg.norm(PJ, 2)),
+        "r34": float(np.linalg.norm(PJ - a3 * loop.now * K3.T) / np.linalg.norm(PJ)),
         "m35": 1.0 - a3 * (1.0 + e4 + e5) * loop.keep**2,
         "m36": -_largest(a3 * loop.before**2 * (1.0 + 1.0 / e4 + e6) * K3.T @ K3 - np.eye(3)),
     }
