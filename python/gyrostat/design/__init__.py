@@ -2,7 +2,8 @@
 """Gain design, theorem margins and feasibility, in numpy: a module for each law or question.
 
 `CHECKS` is what ``gyrostat check`` asks besides the components themselves: each takes a scenario and returns its
-findings, none when the scenario does not fly what it knows about. `DESIGNS` is what ``gyrostat design`` offers.
+findings, none when the scenario does not fly what it knows about. `FIGURES` is what ``gyrostat check --out`` draws, by
+name. `DESIGNS` is what ``gyrostat design`` offers.
 """
 
 from collections.abc import Callable
@@ -30,6 +31,7 @@ from gyrostat.design.compensation import (
 from gyrostat.design.feasibility import attainable_after_faults, torque_findings
 from gyrostat.design.finding import Finding
 from gyrostat.design.registry import Design, DesignReport
+from gyrostat.plots import Figure
 from gyrostat.scenario import Scenario
 
 CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
@@ -41,6 +43,8 @@ CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     predefined_time.findings,
 )
 
+FIGURES: tuple[Callable[[Scenario], dict[str, Figure]], ...] = (learning_disturbance.figures,)
+
 DESIGNS: dict[str, Design] = {
     "mixed_learning": mixed_learning_tool.DESIGN,
     "mixed_learning_six_steps": mixed_learning_tool.SIX_STEPS,
@@ -49,6 +53,7 @@ DESIGNS: dict[str, Design] = {
 __all__ = [
     "CHECKS",
     "DESIGNS",
+    "FIGURES",
     "CompensationMargin",
     "Design",
     "DesignReport",
