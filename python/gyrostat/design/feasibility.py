@@ -88,9 +88,7 @@ def torque_findings(
         D, lo, up = _actuators(scenario)
         if attainable_set(D, np.clip(up, 0, 1), np.clip(lo, -1, 0)).in_every_direction > 1e-12:
             return []
-        text = (
-            "no torque in some direction, whatever the limits: no positive commands of all the actuators add up to zero"
-        )
+        text = "no torque in some direction, whatever the limits: no positive commands of all actuators add up to zero"
         return [Finding("torque", "every direction", text, False, 0.0, 0.0)]
     healthy, left = sets
     least, once = left.in_every_direction, healthy.in_every_direction

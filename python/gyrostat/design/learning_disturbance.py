@@ -74,7 +74,7 @@ class LearningGains:
     def theorem_largest_k2(self) -> float:
         """Largest `k2`, 1/s, that the theorem admits with this `M`, `k1`, `k3`; nan when it admits none.
 
-        Only ``r1, r2, r4, r7`` cost anything, the others tend to zero; on ``gamma2 = gamma3 = 0`` two are left to search.
+        Only ``r1, r2, r4, r7`` cost anything, the others tend to zero; ``gamma2 = gamma3 = 0`` leaves two to search.
         """
         room = 1.0 / max(self.k1, 1e-6) ** 2 - 1.0
         least, most = 0.5 / room, 2.0 * (self.M - 1.0)

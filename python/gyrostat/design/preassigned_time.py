@@ -82,11 +82,7 @@ def findings(scenario: Scenario) -> list[Finding]:
     if law.get("type") != _law or limit is None or not np.all(np.isfinite(np.asarray(limit, dtype=float))):
         return []
     where = f"controller {_law}"
-    return [
-        feasible_time.feasible_time_finding(
-            where, "T with the scenario's faults", float(law["T"]), lambda: smallest_feasible_time(scenario)
-        )
-    ]
+    return [feasible_time.feasible_time_finding(where, "T", float(law["T"]), lambda: smallest_feasible_time(scenario))]
 
 
 __all__ = ["findings", "quintic", "quintic_coefficients", "saturates", "smallest_feasible_time"]

@@ -152,7 +152,7 @@ def findings(scenario: Scenario) -> list[Finding]:
         )
     )
     found.append(
-        feasible_time.feasible_time_finding(where, "healthy T1 + T2", T, lambda: smallest_feasible_time(scenario))
+        feasible_time.feasible_time_finding(where, "T1 + T2 (healthy)", T, lambda: smallest_feasible_time(scenario))
     )
     return found
 
