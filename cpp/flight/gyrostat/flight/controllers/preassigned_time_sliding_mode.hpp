@@ -84,16 +84,18 @@ class PreassignedTimeSlidingMode {
       : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), negligible_(S(1e-3) * usable_torque(setup.vehicle)) {}
 
   /// First sample: the path starts where the error is.
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& given) noexcept {
+    const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     plan(now, free_acceleration(now, x, ref), params_.T);
     event_ = ref.event;
     return demand(now, x, ref);
   }
 
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& given,
                                const Allocation<S>& last) noexcept {
     ++ticks_;
+    const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     const S left = path_.end() - elapsed();
     if (ref.event != event_) {  // a new target: all of T again
@@ -125,6 +127,8 @@ class PreassignedTimeSlidingMode {
   }
 
   bool on_body() const noexcept { return vehicle_.coordinates == Coordinates::body; }
+  /// On a body the reference is its quaternion and rates alone; what stands in its Euler side is not read.
+  Reference<S> in_angles(const Reference<S>& ref) const noexcept { return on_body() ? with_euler(ref) : ref; }
   S elapsed() const noexcept { return static_cast<S>(ticks_) * dt_; }
 
   Error error(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
