@@ -84,7 +84,8 @@ class PreassignedTimeSlidingMode {
       : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), torque_(usable_torque(setup.vehicle)) {}
 
   /// First sample: the path starts where the error is.
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& given) noexcept {
+    const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     plan(now, free_acceleration(now, x, ref), params_.T);
     event_ = ref.event;
@@ -92,9 +93,10 @@ class PreassignedTimeSlidingMode {
     return demand(now, x, ref);
   }
 
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& given,
                                const Allocation<S>& last) noexcept {
     ++ticks_;
+    const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     if (tumbles(now, x, last)) {
       event_ = ~ref.event;  // plan when it is over
@@ -147,6 +149,8 @@ class PreassignedTimeSlidingMode {
   }
 
   bool on_body() const noexcept { return vehicle_.coordinates == Coordinates::body; }
+  /// On a body the reference is its quaternion and rates alone; what stands in its Euler side is not read.
+  Reference<S> in_angles(const Reference<S>& ref) const noexcept { return on_body() ? with_euler(ref) : ref; }
   S elapsed() const noexcept { return static_cast<S>(ticks_) * dt_; }
   S left() const noexcept { return std::max(path_.end() - elapsed(), S(0)); }
 
