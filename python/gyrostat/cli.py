@@ -222,10 +222,15 @@ def check(
     fly: Annotated[
         bool, typer.Option("--fly", help="Fly it too, and say how often its demand is out of the actuators' reach.")
     ] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Draw frequency response and gain region there.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Check a scenario without flying it: components against vehicle and period, stability, torque within reach.
 
+    With a learning disturbance observer it gives the exact conditions of stability, for every delay and as sampled, and
+    what the published theorem admits; `--out` draws the frequency response of its error and the gains that are stable.
     With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
     loop. With a finite-time disturbance observer it says whether feeding the estimate forward through weakened
     actuators is stable, unstable or unproven, with the critical effectiveness. With an observer of effectiveness it
@@ -239,6 +244,10 @@ def check(
     checked = _scenario(scenario, settings)
     rows = checked.check()
     findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
+    if out is not None:
+        folder = writable_folder(out)
+        for name, figure in [drawn for draw in design.FIGURES for drawn in draw(checked).items()]:
+            figure.save(folder / f"{name}.png")
     if as_json:
         _print_json({"checks": rows, "design": [vars(f) for f in findings]})
     else:

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import math
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +68,27 @@ def test_campaigns_draw_the_same_samples_for_every_variant() -> None:
     one, other = (campaigns[c].samples() for c in ("any", "any_free"))
     assert [s.initial for s in one] == [s.initial for s in other]
     assert len({str(s.initial) for s in one}) == len(one)
+
+
+def test_every_worker_flies_runs_of_one_campaign_and_their_number_changes_no_bit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    paper = papers.load("cao2022")
+    campaign = dataclasses.replace(paper.campaigns["faults"], runs=12)
+    mine = [dataclasses.replace(c, case="faults") for c in paper.claims if c.id == "mc.median_faults"]
+    one = dataclasses.replace(paper, cases={}, claims=tuple(mine), figures=(), campaigns={"faults": campaign})
+    alone = papers.reproduce(one, workers=1)
+    fly, together = papers.Campaign.fly, threading.Barrier(4)
+
+    def fly_when_all_do(self: papers.Campaign, sample: gs.Scenario) -> dict[str, float]:
+        together.wait(60.0)  # four runs at once, or the barrier breaks
+        return fly(self, sample)
+
+    monkeypatch.setattr(papers.Campaign, "fly", fly_when_all_do)
+    shared = papers.reproduce(one, workers=4)
+    for name, values in alone.ensembles["faults"].values.items():
+        np.testing.assert_array_equal(shared.ensembles["faults"][name], values)
+    assert alone.evaluations[0].measured == shared.evaluations[0].measured
 
 
 def test_mistakes_in_a_campaign_are_named(tmp_path: Path) -> None:

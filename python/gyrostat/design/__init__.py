@@ -3,7 +3,7 @@
 
 `CHECKS` is what ``gyrostat check`` asks besides the components themselves: each takes a scenario and returns its
 findings, none when the scenario does not fly what it knows about. `findings` is all of them, with the questions that
-take an option. `DESIGNS` is what ``gyrostat design`` offers.
+take an option. `FIGURES` is what ``gyrostat check --out`` draws, by name. `DESIGNS` is what ``gyrostat design`` offers.
 """
 
 from collections.abc import Callable, Sequence
@@ -32,6 +32,7 @@ from gyrostat.design.compensation import (
 from gyrostat.design.feasibility import attainable_after_faults, torque_findings
 from gyrostat.design.finding import Finding
 from gyrostat.design.registry import Design, DesignReport
+from gyrostat.plots import Figure
 from gyrostat.scenario import Scenario
 
 CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
@@ -43,6 +44,8 @@ CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     preassigned_time.findings,
     predefined_time.findings,
 )
+
+FIGURES: tuple[Callable[[Scenario], dict[str, Figure]], ...] = (learning_disturbance.figures,)
 
 
 def findings(
@@ -78,6 +81,7 @@ DESIGNS: dict[str, Design] = {
 __all__ = [
     "CHECKS",
     "DESIGNS",
+    "FIGURES",
     "CompensationMargin",
     "Design",
     "DesignReport",

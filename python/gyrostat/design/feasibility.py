@@ -97,11 +97,15 @@ def torque_findings(
     Returns
     -------
     list of Finding
-        Empty where a limit is infinite: everything is within reach.
+        Of a vehicle with an infinite limit only when the signs of its actuators leave out some direction.
     """
     sets = attainable_after_faults(scenario)
     if sets is None:
-        return []
+        D, lo, up = _actuators(scenario)
+        if attainable_set(D, np.clip(up, 0, 1), np.clip(lo, -1, 0)).in_every_direction > 1e-12:
+            return []
+        text = "no torque in some direction, whatever the limits: no positive commands of all actuators add up to zero"
+        return [Finding("torque", "every direction", text, False, 0.0, 0.0)]
     healthy, left = sets
     least, once = left.in_every_direction, healthy.in_every_direction
     nothing = 1e-12 * once  # what rounding leaves of a flat set

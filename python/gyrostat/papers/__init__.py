@@ -51,11 +51,12 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import itertools
 import math
 import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -309,7 +310,8 @@ def reproduce(
     progress
         Called with the finished fraction.
     workers
-        Cases flown at once; one a core by default (the compiled loop runs without Python's global lock).
+        Cases, and runs of a campaign, flown at once; one a core by default (the compiled loop runs without Python's
+        global lock). The results do not depend on it.
     """
     keep = paper.needed_later()
     results: dict[str, Result] = {}
@@ -319,7 +321,7 @@ def reproduce(
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
         longest_first = sorted(paper.cases.values(), key=lambda c: -c.scenario.duration / c.scenario.dt)
         runs = {pool.submit(c.scenario.run, progress=meter.of(c.id)): c.id for c in longest_first}
-        ensembles = {c.id: pool.submit(_fly, c, meter.of(c.id)) for c in paper.campaigns.values()}
+        flights = {c.id: _fly(c, pool, meter.of(c.id)) for c in paper.campaigns.values()}
         for run in as_completed(runs):
             case = runs.pop(run)
             result = run.result()
@@ -331,7 +333,7 @@ def reproduce(
             for claim in paper.claims:
                 if claim.case == case and not claim.measure.others:
                     found[claim.id] = claim.evaluate(result, {})
-    flown = {key: ensemble.result() for key, ensemble in ensembles.items()}
+    flown = {key: _ensemble(paper.campaigns[key], runs) for key, runs in flights.items()}
     for claim in paper.claims:
         if claim.id not in found:
             about = flown[claim.case] if claim.case in flown else results[claim.case]
@@ -339,13 +341,21 @@ def reproduce(
     return Reproduction(paper, tuple(found[c.id] for c in paper.claims), results, endings, flown)
 
 
-def _fly(campaign: Campaign, progress: Callable[[float], None] | None) -> Ensemble:
-    """All runs of a campaign, one after the other: several campaigns, or cases beside it, keep the other cores busy."""
-    rows = []
-    for sample in campaign.samples():
-        rows.append(campaign.fly(sample))
-        if progress is not None:
-            progress(len(rows) / campaign.runs)
+Flight = Future[dict[str, float]]
+
+
+def _fly(campaign: Campaign, pool: Executor, progress: Callable[[float], None] | None) -> list[Flight]:
+    """Start every run of a campaign."""
+    flights = [pool.submit(campaign.fly, sample) for sample in campaign.samples()]
+    if progress is not None:
+        done = itertools.count(1)
+        for flight in flights:
+            flight.add_done_callback(lambda _: progress(next(done) / campaign.runs))
+    return flights
+
+
+def _ensemble(campaign: Campaign, flights: Sequence[Flight]) -> Ensemble:
+    rows = [flight.result() for flight in flights]
     return Ensemble(campaign, {name: np.array([row[name] for row in rows]) for name in campaign.measures})
 
 

@@ -3,6 +3,7 @@
 
 #include "../random.hpp"
 #include "closed_loop.hpp"
+#include "gyrostat/flight/allocators/pseudo_inverse.hpp"
 #include "gyrostat/flight/observers/adaptive_sliding_mode.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness_printed.hpp"
@@ -77,7 +78,10 @@ TYPED_TEST(LearningObservers, AnActuatorThatIsNotCommandedIsHeldToTheBitAndUnkno
 TYPED_TEST(LearningObservers, EstimatesStayInsideTheirRangeUnderAnyCommand) {
   using S = TypeParam;
   const Setup<S> setup = ftc_4rw<S>();
-  const auto inside = [&](auto observer, S e_min) {
+  const auto inside = [&]<class Observer>(std::type_identity<Observer>) {
+    auto p = Observer::Params::defaults(setup);
+    p.e_min = S(1e-4);
+    Observer observer(setup, p);
     Random random(3);
     Body body(setup.vehicle);
     body.effectiveness << 0.0, 0.3, 1.0, 0.6;
@@ -90,13 +94,23 @@ TYPED_TEST(LearningObservers, EstimatesStayInsideTheirRangeUnderAnyCommand) {
           return u;
         },
         [&](int, const Estimate<S>& x, const auto&) {
-          EXPECT_GE(x.effectiveness.minCoeff(), e_min);
+          EXPECT_GE(x.effectiveness.minCoeff(), p.e_min);
           EXPECT_LE(x.effectiveness.maxCoeff(), S(1));
         });
   };
-  inside(LearningEffectiveness<S>(setup, LearningEffectiveness<S>::Params::defaults(setup)), S(1e-4));
-  inside(LearningEffectivenessPrinted<S>(setup, LearningEffectivenessPrinted<S>::Params::defaults(setup)), S(1e-4));
-  inside(AdaptiveSlidingMode<S>(setup, AdaptiveSlidingMode<S>::Params::defaults(setup)), S(1e-4));
+  inside(std::type_identity<LearningEffectiveness<S>>{});
+  inside(std::type_identity<LearningEffectivenessPrinted<S>>{});
+  inside(std::type_identity<AdaptiveSlidingMode<S>>{});
+}
+
+/// What pseudo_inverse drops is not commanded, so nothing could ever be learned about it again.
+TYPED_TEST(LearningObservers, NoDefaultEstimateIsSoSmallThatAllocatorsDropIt) {
+  using S = TypeParam;
+  const Setup<S> setup = ftc_4rw<S>();
+  const S least = default_params<PseudoInverse<S>>(setup).e_min;
+  EXPECT_GE(LearningEffectiveness<S>::Params::defaults(setup).e_min, least);
+  EXPECT_GE(LearningEffectivenessPrinted<S>::Params::defaults(setup).e_min, least);
+  EXPECT_GE(AdaptiveSlidingMode<S>::Params::defaults(setup).e_min, least);
 }
 
 TEST(LearningEffectivenessDouble, IsTheSumAnAxisOnThreeOrthogonalWheels) {

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -76,18 +77,16 @@ def at(result: Result, *, signal: Array, time: float) -> float:
 def random_attitude(rng: np.random.Generator, *, norm: list[float], rate: float = 0.0) -> dict[str, Any]:
     """Sample an initial state: each rate normal with a deviation, rad/s, and an attitude of an MRP norm in a range.
 
-    Up to 1 the attitude is of Haar measure; beyond, the long way round, the norm is uniform along a random axis.
+    From 0 to 1 the attitude is of Haar measure; else the norm is uniform, along a random axis. The order of the draws (
+    a quaternion has its scalar last) is that of the independent implementation, so that its samples are these.
     """
     low, high = norm
-    if low >= 1.0:
+    if (low, high) == (0.0, 1.0):
+        q = rng.standard_normal(4)
+        sigma = q[:3] / (q[3] + math.copysign(float(np.linalg.norm(q)), q[3]))
+    else:
         axis = rng.standard_normal(3)
         sigma = rng.uniform(low, high) * axis / np.linalg.norm(axis)
-    else:
-        sigma = np.full(3, np.inf)
-        while not low <= np.linalg.norm(sigma) <= high:
-            q = rng.standard_normal(4)
-            q /= np.linalg.norm(q)
-            sigma = q[1:] / (1.0 + abs(q[0]))
     omega = rate * rng.standard_normal(3)
     return {"initial": {"mrp": [float(x) for x in sigma], "omega_BN_B": [float(x) for x in omega]}}
 

@@ -3,7 +3,8 @@
 ///
 ///   u = clip(u_pref + A+ (tau - A u_pref)),   A+ = A'(A A')^-1,   A = D diag(effectiveness) or D
 ///
-/// An estimate whose bound is infinite may be refused (`unknown`). Columns of actuators that are failed, not enabled or weaker than e_min are zero. Page: docs/components/pseudo_inverse.md
+/// An estimate whose bound is infinite may be refused (`unknown`). Columns of actuators that are failed, not enabled or weaker
+/// than e_min are zero. Page: docs/components/pseudo_inverse.md
 #pragma once
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

@@ -7,16 +7,47 @@
 /// so that sigma_BR'' = -wanted + G J^-1 (d - d_B - k_s sat(s / phi)) on the nominal model.
 #pragma once
 #include <Eigen/LU>
+#include <cmath>
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/controllers/tracking.hpp"
+#include "gyrostat/flight/stiffness.hpp"
 
 namespace gyrostat {
 
 /// The switching part. `surface`: along s as usual; s' G J^-1 sgn(s) is then negative for some attitudes beyond |sigma| = 0.2.
 /// `matched`: along J^-1 G' s, which never is.
 enum class SwitchingDirection : std::uint8_t { surface, matched };
+
+/// Parameters that laws on such a surface have in common.
+template <class S>
+struct MrpSurfaceParams {
+  S k_s = S(0.02);
+  S phi = S(1e-3);
+  SwitchingDirection direction = SwitchingDirection::surface;
+  S shadow_switch = S(1);
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.k_s, Field{"k_s", "N m", 0, 1e9, "switching torque"});
+    field(p.phi, Field{"phi", "1/s", 0, 1e3, "boundary layer of s; 0: sign(s)"});
+    field(p.direction,
+          Choice{"direction", "surface|matched", "of the switching torque: s, or J^-1 G' s, which always opposes s"});
+    field(p.shadow_switch, shadow_switch_field);
+  }
+
+  /// 5 % of the usable torque, in a layer of 2 % of the rate of the MRP that it reaches in a full turn.
+  static void scale(const Setup<S>& setup, MrpSurfaceParams& p) noexcept {
+    const S a = usable_torque(setup.vehicle);
+    p.k_s = S(0.05) * a;
+    p.phi = S(0.02) * std::sqrt(a / largest_inertia(setup.vehicle.J_B)) / S(4);
+  }
+
+  /// Of the layer, per s, about the smallest inertia, 1/s.
+  S slope(const Setup<S>& setup) const noexcept {
+    return phi > S(0) ? k_s / (S(4) * smallest_inertia(setup.vehicle.J_B) * phi) : S(0);
+  }
+};
 
 /// Attitude motion relative to the reference.
 template <class S>
@@ -30,14 +61,12 @@ struct MrpMotion {
 template <class S>
 class MrpSurface {
  public:
-  MrpSurface(const Vehicle<S>& vehicle, S k_s, S phi, SwitchingDirection direction, S shadow_switch) noexcept
+  MrpSurface(const Vehicle<S>& vehicle, const MrpSurfaceParams<S>& params) noexcept
       : vehicle_(vehicle),
         J_inv_(vehicle.J_B.inverse()),
         scale_(S(4) * vehicle.J_B.trace() / S(3)),
-        k_s_(k_s),
-        phi_(phi),
-        direction_(direction),
-        set_(shadow_switch) {}
+        params_(params),
+        set_(params.shadow_switch) {}
 
   void start() noexcept { set_.start(); }
 
@@ -58,17 +87,17 @@ class MrpSurface {
   /// N m.
   Vec3<S> torque_B(const MrpMotion<S>& m, const Vec3<S>& s, const Vec3<S>& wanted, const Vec3<S>& d_B) const noexcept {
     Vec3<S> along = s;
-    if (direction_ == SwitchingDirection::matched)
+    if (params_.direction == SwitchingDirection::matched)
       along = scale_ * (J_inv_ * (m.G.transpose() * s));  // s for small angles
     const Vec3<S> shape = m.G_inv * (m.G_rate * m.error_B + wanted);
-    return m.given_B - k_s_ * layer(along, phi_) - vehicle_.J_B * shape - d_B;
+    return m.given_B - params_.k_s * layer(along, params_.phi) - vehicle_.J_B * shape - d_B;
   }
 
  private:
   Vehicle<S> vehicle_;
   Mat3<S> J_inv_;
-  S scale_, k_s_, phi_;
-  SwitchingDirection direction_;
+  S scale_;
+  MrpSurfaceParams<S> params_;
   ShadowSet<S> set_;
 };
 

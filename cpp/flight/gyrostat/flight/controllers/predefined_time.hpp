@@ -33,30 +33,22 @@ class PredefinedTime {
   static constexpr bool switching = true;
   static constexpr bool regulates = true;
 
-  struct Params {
+  struct Params : MrpSurfaceParams<S> {
     S h1 = S(0.25);
     S T1 = S(60);
     S h2 = S(0.25);
     S T2 = S(60);
-    S k_s = S(0.02);
-    S phi = S(1e-3);
     S floor1 = S(5e-5);
     S floor2 = S(1e-9);
-    SwitchingDirection direction = SwitchingDirection::surface;
-    S shadow_switch = S(1);
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.h1, Field{"h1", "", 1e-3, 0.999, "power of V1 on the surface; above 1/4 the law needs floor1"});
       field(p.T1, Field{"T1", "s", 1e-6, 1e9, "longest time on the surface"});
       field(p.h2, Field{"h2", "", 1e-3, 0.999, "power of V2 towards the surface"});
       field(p.T2, Field{"T2", "s", 1e-6, 1e9, "longest time to the surface"});
-      field(p.k_s, Field{"k_s", "N m", 0, 1e9, "switching torque"});
-      field(p.phi, Field{"phi", "1/s", 0, 1e3, "boundary layer of s; 0: sign(s), as printed"});
       field(p.floor1, Field{"floor1", "", 1e-30, 1, "V1 counts as no smaller; (0.05)^2 / 2 is 11 deg"});
       field(p.floor2, Field{"floor2", "1/s^2", 1e-30, 1, "V2 counts as no smaller"});
-      field(p.direction,
-            Choice{"direction", "surface|matched", "of the switching torque: s, or J^-1 G' s, which always opposes s"});
-      field(p.shadow_switch, shadow_switch_field);
+      MrpSurfaceParams<S>::describe(p, field);
     }
 
     /// T1 = T2 in proportion to sqrt(J / usable torque): the published 10 s have the vehicle of the publication turn 90 deg with
@@ -64,11 +56,8 @@ class PredefinedTime {
     /// floors stay below 0.05 / dt.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
-      const S a = usable_torque(setup.vehicle);
+      MrpSurfaceParams<S>::scale(setup, p);
       p.T1 = p.T2 = std::max(S(10) * std::sqrt(S(0.7) / usable_acceleration(setup.vehicle)), S(1000) * setup.dt);
-      p.k_s = S(0.05) * a;
-      const S s_full = std::sqrt(a / largest_inertia(setup.vehicle.J_B)) / S(4);  // rate of the MRP at full error
-      p.phi = S(0.02) * s_full;
       p.floor1 = S(0.5) * S(0.03) * S(0.03);
       p.floor2 = S(0.5) * p.phi * p.phi;
       return p;
@@ -81,8 +70,7 @@ class PredefinedTime {
     const auto unstable = Status<S>::Code::unstable;
     const S surface = predefined_time_gain(S(0), p.h1, p.T1, p.floor1) * setup.dt;
     const S reach = predefined_time_gain(S(5e-7), p.h2, p.T2, p.floor2) * setup.dt;
-    const S J = smallest_inertia(setup.vehicle.J_B);
-    const S slope = p.phi > S(0) ? p.k_s / p.phi * setup.dt / (S(4) * J) : S(0);
+    const S slope = p.slope(setup) * setup.dt;
     return needs_body_coordinates(setup) &&
            Status<S>::require(surface < S(1), "psi(floor1) * dt", surface, S(1), "<", unstable) &&
            Status<S>::require(reach + slope < S(2), "psi(|s| = 1e-3) * dt + k_s / (4 J phi) * dt", reach + slope, S(2),
@@ -90,7 +78,7 @@ class PredefinedTime {
   }
 
   PredefinedTime(const Setup<S>& setup, const Params& params) noexcept
-      : params_(params), surface_(setup.vehicle, params.k_s, params.phi, params.direction, params.shadow_switch) {}
+      : params_(params), surface_(setup.vehicle, params) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
     surface_.start();

@@ -24,7 +24,7 @@ class TerminalSlidingMode {
   static constexpr bool switching = true;
   static constexpr bool regulates = true;
 
-  struct Params {
+  struct Params : MrpSurfaceParams<S> {
     S a = S(0.6);
     S b = S(0.3);
     S g = S(0.6);
@@ -32,10 +32,6 @@ class TerminalSlidingMode {
     S k1 = S(1);
     S k2 = S(0.2);
     S g2 = S(0.6);
-    S k_s = S(0.02);
-    S phi = S(1e-3);
-    SwitchingDirection direction = SwitchingDirection::surface;
-    S shadow_switch = S(1);
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.a, Field{"a", "1/s", 0, 1e6, "linear rate on the surface"});
@@ -45,24 +41,18 @@ class TerminalSlidingMode {
       field(p.k1, Field{"k1", "1/s", 0, 1e6, "linear rate towards the surface"});
       field(p.k2, Field{"k2", "s^(g2-2)", 0, 1e6, "gain of sig^g2(s)"});
       field(p.g2, Field{"g2", "", 0.01, 1, "power of s"});
-      field(p.k_s, Field{"k_s", "N m", 0, 1e9, "switching torque"});
-      field(p.phi, Field{"phi", "1/s", 0, 1e3, "boundary layer of s; 0: sign(s)"});
-      field(p.direction,
-            Choice{"direction", "surface|matched", "of the switching torque: s, or J^-1 G' s, which always opposes s"});
-      field(p.shadow_switch, shadow_switch_field);
+      MrpSurfaceParams<S>::describe(p, field);
     }
 
     /// Rates in proportion to the frequency of the default stiffness.
     static Params defaults(const Setup<S>& setup) noexcept {
       const S f = default_stiffness(setup).frequency;
-      const S a = usable_torque(setup.vehicle);
       Params p;
+      MrpSurfaceParams<S>::scale(setup, p);
       p.a = S(0.7) * f;
       p.b = S(0.35) * f;
       p.k1 = S(1.2) * f;
       p.k2 = S(0.25) * f * std::pow(f, S(1) - p.g2);
-      p.k_s = S(0.05) * a;
-      p.phi = S(0.02) * std::sqrt(a / largest_inertia(setup.vehicle.J_B)) / S(4);
       return p;
     }
   };
@@ -72,8 +62,7 @@ class TerminalSlidingMode {
     const auto unstable = Status<S>::Code::unstable;
     const S surface = (p.a + p.b * sig_core_slope(S(0), p.g, p.eta)) * setup.dt;
     const S reach = (p.k1 + p.k2 * std::pow(S(1e-3), p.g2 - S(1))) * setup.dt;
-    const S J = smallest_inertia(setup.vehicle.J_B);
-    const S slope = p.phi > S(0) ? p.k_s / p.phi * setup.dt / (S(4) * J) : S(0);
+    const S slope = p.slope(setup) * setup.dt;
     return needs_body_coordinates(setup) &&
            Status<S>::require(surface < S(1), "surface slope at zero * dt", surface, S(1), "<", unstable) &&
            Status<S>::require(reach + slope < S(2), "(k1 + k2 slope at 1e-3) * dt + k_s / (4 J phi) * dt",
@@ -81,7 +70,7 @@ class TerminalSlidingMode {
   }
 
   TerminalSlidingMode(const Setup<S>& setup, const Params& params) noexcept
-      : params_(params), surface_(setup.vehicle, params.k_s, params.phi, params.direction, params.shadow_switch) {}
+      : params_(params), surface_(setup.vehicle, params) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
     surface_.start();

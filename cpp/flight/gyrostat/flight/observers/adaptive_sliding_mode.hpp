@@ -40,7 +40,8 @@ class AdaptiveSlidingMode {
       field(p.k_rho, Field{"k_rho", "N m/rad", 0, 1e9, "rate of the switching gain"});
       field(p.rho_max, Field{"rho_max", "N m", 0, 1e9, "largest switching gain"});
       field(p.dead_zone, Field{"dead_zone", "rad/s", 0, 1e3, "rate errors up to this leave the switching gain alone"});
-      field(p.e_min, Field{"e_min", "", 0, 1, "smallest estimate"});
+      field(p.e_min, Field{"e_min", "", 0, 1,
+                           "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
     }
 
     /// L makes the rate error forget a tenth a period; gamma gives e the time constant of a hundred periods under a third of
@@ -78,15 +79,12 @@ class AdaptiveSlidingMode {
   }
 
   AdaptiveSlidingMode(const Setup<S>& setup, const Params& params) noexcept
-      : D_B_(setup.vehicle.D_B), dt_(setup.dt), params_(params), predict_(setup) {
+      : dt_(setup.dt), params_(params), predict_(setup) {
     effectiveness_.setOnes(setup.vehicle.actuators());
   }
 
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
-    omega_hat_ = y.omega_BN_B;
-    h_w_B_ = torque<S>(D_B_, y.h_w);
-    error_.setZero();
-    injection_.setZero();
+    predict_.start(y);
     rho_.setZero();
     effectiveness_.setOnes();
     return estimate(y);
@@ -94,25 +92,21 @@ class AdaptiveSlidingMode {
 
   /// Every later sample: Euler steps; the regressor is the command that acted over the interval just ended.
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const Vec3<S> h_w_B = torque<S>(D_B_, y.h_w);
-    const Vec3<S> torque_B = torque<S>(D_B_, effectiveness_.cwiseProduct(last.u)) + injection_;
-    omega_hat_ = predict_(omega_hat_, torque_B, h_w_B_, h_w_B);
-    h_w_B_ = h_w_B;
-    error_ = y.omega_BN_B - omega_hat_;
-    for (Eigen::Index i = 0; i < D_B_.cols(); ++i) {
-      const S e = effectiveness_[i] + dt_ * params_.gamma * last.u[i] * D_B_.col(i).dot(error_);
-      effectiveness_[i] = e < params_.e_min ? params_.e_min : (e > S(1) ? S(1) : e);
+    const Vec3<S>& error = predict_.step(y, effectiveness_, last.u);
+    for (Eigen::Index i = 0; i < effectiveness_.size(); ++i) {
+      const S e = effectiveness_[i] + dt_ * params_.gamma * last.u[i] * predict_.D_B().col(i).dot(error);
+      effectiveness_[i] = std::clamp(e, params_.e_min, S(1));
     }
     for (int a = 0; a < 3; ++a) {
-      const S size = std::abs(error_[a]);
+      const S size = std::abs(error[a]);
       if (size > params_.dead_zone) rho_[a] = std::min(rho_[a] + dt_ * params_.k_rho * size, params_.rho_max);
     }
-    injection_ = params_.L.cwiseProduct(error_) + rho_.cwiseProduct(sgn(error_));
+    predict_.correct(params_.L.cwiseProduct(error) + rho_.cwiseProduct(sgn(error)));
     return estimate(y);
   }
 
   void telemetry(auto&& log) const {
-    log("rate_error", error_);
+    log("rate_error", predict_.error());
     log("rho", rho_);
   }
 
@@ -123,16 +117,11 @@ class AdaptiveSlidingMode {
     return x;
   }
 
-  Mat3N<S> D_B_;
   S dt_;
   Params params_;
   RatePredictor<S> predict_;
   VecN<S> effectiveness_;
-  Vec3<S> omega_hat_ = Vec3<S>::Zero();
-  Vec3<S> h_w_B_ = Vec3<S>::Zero();
-  Vec3<S> error_ = Vec3<S>::Zero();      ///< rad/s, w~
-  Vec3<S> rho_ = Vec3<S>::Zero();        ///< N m
-  Vec3<S> injection_ = Vec3<S>::Zero();  ///< N m, held since the previous sample
+  Vec3<S> rho_ = Vec3<S>::Zero();  ///< N m
 };
 
 }  // namespace gyrostat

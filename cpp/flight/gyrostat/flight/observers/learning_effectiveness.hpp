@@ -9,6 +9,7 @@
 /// three orthogonal actuators kappa u / (u^2 + u0^2) an axis. Page: docs/components/learning_effectiveness.md
 #pragma once
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -46,7 +47,8 @@ class LearningEffectiveness {
       field(p.kappa, Field{"kappa", "", 1e-6, 2, "share of the residual that is learned a sample"});
       field(p.u0, Field{"u0", "N m", 1e-12, 1e9, "command at which learning has half its rate"});
       field(p.u_exc, Field{"u_exc", "N m", 0, 1e9, "commands up to this one teach nothing: the estimate is held"});
-      field(p.e_min, Field{"e_min", "", 0, 1, "smallest estimate"});
+      field(p.e_min, Field{"e_min", "", 0, 1,
+                           "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
       field(p.M, Field{"M", "N m s", 0, 1e9, "correction of the predicted rate"});
       field(p.n, Field{"n", "N m", 0, 1e9, "its switching part"});
       field(p.torque_error, Field{"torque_error", "N m", 1e-12, 1e9, "bound of what no command explains"});
@@ -76,8 +78,7 @@ class LearningEffectiveness {
   }
 
   LearningEffectiveness(const Setup<S>& setup, const Params& params) noexcept
-      : D_B_(setup.vehicle.D_B),
-        J_over_dt_(setup.vehicle.J_B / setup.dt),
+      : J_over_dt_(setup.vehicle.J_B / setup.dt),
         params_(params),
         predict_(setup),
         confidence_(setup.vehicle.actuators(), params.torque_error, setup.dt / params.memory) {
@@ -86,10 +87,7 @@ class LearningEffectiveness {
 
   /// First sample: no interval has passed, so nothing is learned; healthy, and not known to be.
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
-    omega_hat_ = y.omega_BN_B;
-    h_w_B_ = torque<S>(D_B_, y.h_w);
-    error_.setZero();
-    injection_.setZero();
+    predict_.start(y);
     effectiveness_.setOnes();
     confidence_.start();
     return estimate(y);
@@ -97,19 +95,15 @@ class LearningEffectiveness {
 
   /// Every later sample. The regressor is the command that acted over the interval just ended.
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const Vec3<S> h_w_B = torque<S>(D_B_, y.h_w);
-    const Vec3<S> torque_B = torque<S>(D_B_, effectiveness_.cwiseProduct(last.u)) + injection_;
-    omega_hat_ = predict_(omega_hat_, torque_B, h_w_B_, h_w_B);
-    h_w_B_ = h_w_B;
-    const Vec3<S> error = y.omega_BN_B - omega_hat_;
-    learn(J_over_dt_ * (error - error_) + injection_, last.u);
-    error_ = error;
-    injection_ = params_.M.cwiseProduct(error) + params_.n * sgn(error);
+    const Vec3<S> before = predict_.error();
+    const Vec3<S>& error = predict_.step(y, effectiveness_, last.u);
+    learn(J_over_dt_ * (error - before) + predict_.injection_B(), last.u);
+    predict_.correct(params_.M.cwiseProduct(error) + params_.n * sgn(error));
     return estimate(y);
   }
 
   void telemetry(auto&& log) const {
-    log("rate_error", error_);
+    log("rate_error", predict_.error());
     VecN<S> information(effectiveness_.size());
     for (int i = 0; i < information.size(); ++i) information[i] = confidence_.information(i);
     log("information", information);
@@ -118,7 +112,7 @@ class LearningEffectiveness {
  private:
   void learn(const Vec3<S>& residual_B, const VecN<S>& u) noexcept {
     confidence_.grow();
-    Mat3N<S> V = D_B_;
+    Mat3N<S> V = predict_.D_B();
     bool excited = false;
     for (int i = 0; i < V.cols(); ++i) {
       const bool moves = std::abs(u[i]) > params_.u_exc;
@@ -135,7 +129,7 @@ class LearningEffectiveness {
       K_transposed.col(i) = params_.kappa * (inverse * V.col(i));
       if (std::abs(u[i]) <= params_.u_exc) continue;  // held to the bit
       const S moved = effectiveness_[i] + K_transposed.col(i).dot(residual_B);
-      effectiveness_[i] = moved < params_.e_min ? params_.e_min : (moved > S(1) ? S(1) : moved);
+      effectiveness_[i] = std::clamp(moved, params_.e_min, S(1));
     }
     confidence_.learn(K_transposed, V, (S(2) - params_.kappa) / params_.kappa);
   }
@@ -150,16 +144,11 @@ class LearningEffectiveness {
     return x;
   }
 
-  Mat3N<S> D_B_;
   Mat3<S> J_over_dt_;
   Params params_;
   RatePredictor<S> predict_;
   EffectivenessConfidence<S> confidence_;
   VecN<S> effectiveness_;
-  Vec3<S> omega_hat_ = Vec3<S>::Zero();  ///< rad/s
-  Vec3<S> h_w_B_ = Vec3<S>::Zero();      ///< N m s, wheels at the previous sample
-  Vec3<S> error_ = Vec3<S>::Zero();      ///< rad/s, w~
-  Vec3<S> injection_ = Vec3<S>::Zero();  ///< N m, held since the previous sample
 };
 
 }  // namespace gyrostat

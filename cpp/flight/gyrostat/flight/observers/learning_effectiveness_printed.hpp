@@ -7,8 +7,8 @@
 /// Source: Cao, Gong, Han 2022, eq. (7)-(8). The learning term lacks the direction of the command, l < 1 leaks, and n hides every
 /// torque deficit below it. Page: docs/components/learning_effectiveness_printed.md
 #pragma once
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
@@ -50,7 +50,8 @@ class LearningEffectivenessPrinted {
       field(p.n, Field{"n", "N m", 0, 1e9, "its switching part"});
       field(p.layer, Field{"layer", "rad/s", 0, 1e3, "boundary layer of the switching part; 0: sign, as printed"});
       field(p.delay, Field{"delay", "s", 1e-9, 1e6, "how long ago the earlier values are, a whole number of periods"});
-      field(p.e_min, Field{"e_min", "", 0, 1, "smallest estimate"});
+      field(p.e_min, Field{"e_min", "", 0, 1,
+                           "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
       field(p.direction, Choice{"direction", "none|command",
                                 "of the learning term: none as printed; sign of the command, held below u_exc"});
       field(p.u_exc, Field{"u_exc", "N m", 0, 1e9, "smallest command that teaches, with direction = command"});
@@ -86,29 +87,24 @@ class LearningEffectivenessPrinted {
   }
 
   LearningEffectivenessPrinted(const Setup<S>& setup, const Params& params) noexcept
-      : D_B_(setup.vehicle.D_B),
-        params_(params),
+      : params_(params),
         predict_(setup),
         past_(static_cast<int>(std::lround(params.delay / setup.dt)), healthy(setup.vehicle.actuators())) {}
 
   /// First sample: before it the estimate was one and the rate error zero. The printed recursion already applies.
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
-    omega_hat_ = y.omega_BN_B;
-    h_w_B_ = torque<S>(D_B_, y.h_w);
-    injection_.setZero();
-    past_.fill(healthy(static_cast<int>(D_B_.cols())));
-    return learn(y, VecN<S>::Zero(D_B_.cols()));
+    predict_.start(y);
+    const int n = static_cast<int>(predict_.D_B().cols());
+    past_.fill(healthy(n));
+    return learn(y, VecN<S>::Zero(n));
   }
 
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const Vec3<S> h_w_B = torque<S>(D_B_, y.h_w);
-    const Vec3<S> torque_B = torque<S>(D_B_, effectiveness_.cwiseProduct(last.u)) + injection_;
-    omega_hat_ = predict_(omega_hat_, torque_B, h_w_B_, h_w_B);
-    h_w_B_ = h_w_B;
+    predict_.step(y, effectiveness_, last.u);
     return learn(y, last.u);
   }
 
-  void telemetry(auto&& log) const { log("rate_error", error_); }
+  void telemetry(auto&& log) const { log("rate_error", predict_.error()); }
 
  private:
   struct Past {
@@ -118,34 +114,29 @@ class LearningEffectivenessPrinted {
   static Past healthy(int n) noexcept { return {VecN<S>::Ones(n), Vec3<S>::Zero()}; }
 
   Estimate<S> learn(const Measurement<S>& y, const VecN<S>& u) noexcept {
-    error_ = y.omega_BN_B - omega_hat_;
+    const Vec3<S>& error = predict_.error();
     const Past& past = past_.oldest();
-    const Vec3<S> lesson = params_.H1.cwiseProduct(error_) + params_.H2.cwiseProduct(past.error);
+    const Vec3<S> lesson = params_.H1.cwiseProduct(error) + params_.H2.cwiseProduct(past.error);
     const VecN<S> earlier = past.effectiveness;
-    effectiveness_.resize(D_B_.cols());
-    for (Eigen::Index i = 0; i < D_B_.cols(); ++i) {
-      const S pull = D_B_.col(i).dot(lesson);
+    effectiveness_.resize(earlier.size());
+    for (Eigen::Index i = 0; i < earlier.size(); ++i) {
+      const S pull = predict_.D_B().col(i).dot(lesson);
       S e = params_.l * earlier[i] + pull;
       if (params_.direction == Direction::command)
         e = std::abs(u[i]) > params_.u_exc ? params_.l * earlier[i] + sgn(u[i]) * pull : earlier[i];
-      effectiveness_[i] = e < params_.e_min ? params_.e_min : (e > S(1) ? S(1) : e);
+      effectiveness_[i] = std::clamp(e, params_.e_min, S(1));
     }
-    past_.push({effectiveness_, error_});
-    injection_ = params_.M.cwiseProduct(error_) + params_.n * layer(error_, params_.layer);
+    past_.push({effectiveness_, error});
+    predict_.correct(params_.M.cwiseProduct(error) + params_.n * layer(error, params_.layer));
     Estimate<S> x = Estimate<S>::healthy(y);
     x.effectiveness = effectiveness_;
     return x;
   }
 
-  Mat3N<S> D_B_;
   Params params_;
   RatePredictor<S> predict_;
   DelayLine<Past> past_;
   VecN<S> effectiveness_;
-  Vec3<S> omega_hat_ = Vec3<S>::Zero();
-  Vec3<S> h_w_B_ = Vec3<S>::Zero();
-  Vec3<S> error_ = Vec3<S>::Zero();      ///< rad/s, w~
-  Vec3<S> injection_ = Vec3<S>::Zero();  ///< N m, held since the previous sample
 };
 
 }  // namespace gyrostat

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The body rate at the next sample, on the nominal model and under a held torque: what learning observers compare with.
+/// @file  The rate observer that observers of effectiveness share: the nominal model under the issued command and a correction.
 ///
-///   J w' = -w x (J w + D h_w) + tau_B
+///   J what' = -what x (J what + D h_w) + D diag(e) u + inj,   w~ = w - what
 ///
 /// One Runge-Kutta step of order four a period. Euler would leave the curvature of the gyroscopic torque in the prediction
 /// error, where it looks like an actuator fault while the body turns fast.
@@ -12,34 +12,55 @@
 
 namespace gyrostat {
 
+/// Between two samples u, e and inj are held; the wheels' momentum is a line, which is exact for a held motor torque.
 template <class S>
 class RatePredictor {
  public:
   explicit RatePredictor(const Setup<S>& setup) noexcept
-      : J_B_(setup.vehicle.J_B), J_inv_(setup.vehicle.J_B.inverse()), dt_(setup.dt) {}
+      : D_B_(setup.vehicle.D_B), J_B_(setup.vehicle.J_B), J_inv_(setup.vehicle.J_B.inverse()), dt_(setup.dt) {}
 
-  /// rad/s after one period.
-  /// @param omega    rad/s, at its beginning
-  /// @param torque_B N m, held
-  /// @param h0_B     N m s, momentum of the wheels at its beginning
-  /// @param h1_B     N m s, at its end; a line in between, which is exact for a held motor torque
-  Vec3<S> operator()(const Vec3<S>& omega, const Vec3<S>& torque_B, const Vec3<S>& h0_B,
-                     const Vec3<S>& h1_B) const noexcept {
-    const Vec3<S> middle_B = S(0.5) * (h0_B + h1_B);
-    const Vec3<S> k1 = rate(omega, torque_B, h0_B);
-    const Vec3<S> k2 = rate(omega + dt_ / S(2) * k1, torque_B, middle_B);
-    const Vec3<S> k3 = rate(omega + dt_ / S(2) * k2, torque_B, middle_B);
-    const Vec3<S> k4 = rate(omega + dt_ * k3, torque_B, h1_B);
-    return omega + dt_ / S(6) * (k1 + S(2) * k2 + S(2) * k3 + k4);
+  /// First sample: the prediction begins at the measured rate.
+  void start(const Measurement<S>& y) noexcept {
+    omega_hat_ = y.omega_BN_B;
+    h_w_B_ = torque<S>(D_B_, y.h_w);
+    error_.setZero();
+    injection_B_.setZero();
   }
+
+  /// Over the interval just ended, with its estimated effectiveness and issued command. Returns w~, rad/s.
+  const Vec3<S>& step(const Measurement<S>& y, const VecN<S>& effectiveness, const VecN<S>& u) noexcept {
+    const Vec3<S> torque_B = torque<S>(D_B_, effectiveness.cwiseProduct(u)) + injection_B_;
+    const Vec3<S> h_w_B = torque<S>(D_B_, y.h_w);
+    const Vec3<S> middle_B = S(0.5) * (h_w_B_ + h_w_B);
+    const Vec3<S> k1 = rate(omega_hat_, torque_B, h_w_B_);
+    const Vec3<S> k2 = rate(omega_hat_ + dt_ / S(2) * k1, torque_B, middle_B);
+    const Vec3<S> k3 = rate(omega_hat_ + dt_ / S(2) * k2, torque_B, middle_B);
+    const Vec3<S> k4 = rate(omega_hat_ + dt_ * k3, torque_B, h_w_B);
+    omega_hat_ += dt_ / S(6) * (k1 + S(2) * k2 + S(2) * k3 + k4);
+    h_w_B_ = h_w_B;
+    error_ = y.omega_BN_B - omega_hat_;
+    return error_;
+  }
+
+  /// The correction of the next interval, N m.
+  void correct(const Vec3<S>& injection_B) noexcept { injection_B_ = injection_B; }
+
+  const Vec3<S>& error() const noexcept { return error_; }              ///< rad/s, w~
+  const Vec3<S>& injection_B() const noexcept { return injection_B_; }  ///< N m, since the previous sample
+  const Mat3N<S>& D_B() const noexcept { return D_B_; }
 
  private:
   Vec3<S> rate(const Vec3<S>& omega, const Vec3<S>& torque_B, const Vec3<S>& h_B) const noexcept {
     return J_inv_ * (torque_B - omega.cross(J_B_ * omega + h_B));
   }
 
+  Mat3N<S> D_B_;
   Mat3<S> J_B_, J_inv_;
   S dt_;
+  Vec3<S> omega_hat_ = Vec3<S>::Zero();  ///< rad/s
+  Vec3<S> h_w_B_ = Vec3<S>::Zero();      ///< N m s, of the wheels at the previous sample
+  Vec3<S> error_ = Vec3<S>::Zero();
+  Vec3<S> injection_B_ = Vec3<S>::Zero();
 };
 
 }  // namespace gyrostat
