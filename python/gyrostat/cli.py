@@ -435,7 +435,27 @@ def _summary(result: Result) -> str:
             for i, (e, t) in enumerate(zip(estimated, true, strict=True))
             if e != 1.0
         ]
+    if "detector.declared" in result.channels:
+        parts += _declared(result)
     return "; ".join(parts) or f"{len(result)} samples to {result.end_time:g} s"
+
+
+def _declared(result: Result) -> list[str]:
+    """When the detector declared which actuators, and how long after a fault of theirs; a count when it was often."""
+    from gyrostat.detection import declarations, true_changes
+
+    found = declarations(result)
+    if len(found) > 5:
+        return [f"{len(found)} faults declared"]
+    every_sample = len(result) > 1 and result.t[1] < 1.5 * float(result.description["dt"])
+    faults = true_changes(result, 0.05) if every_sample and "truth.effectiveness" in result.channels else []
+    parts = []
+    for t, mask in found:
+        named = [i for i in range(mask.bit_length()) if mask >> i & 1]
+        earlier = [at for at, actuator, _ in faults if actuator in named and at <= t]
+        after = f", {t - earlier[-1]:.2f} s after a fault of it" if earlier else ""
+        parts.append(f"actuator {', '.join(map(str, named))} declared at {t:.2f} s{after}")
+    return parts
 
 
 def _print_reproduction(reproduction: Reproduction) -> None:

@@ -133,18 +133,22 @@ def true_changes(result: Result, least: float) -> list[tuple[float, int, float]]
 def declarations(result: Result, role: str = "") -> list[tuple[float, int]]:
     """(time s, bit mask named) of each declaration of the loop's detector, or of a shadow's (``"shadow0"``).
 
-    Needs the channels ``detection.event`` and, of a `threshold` detector, ``detector.declared``; without the latter the
-    mask is what is new in ``detection.changed``.
+    Needs ``detection.event``, or for the loop's own detector the events of the run, and of a `threshold` detector
+    ``detector.declared``; without the latter the mask is what is new in ``detection.changed``.
     """
     prefix = f"{role}." if role else ""
-    event = result[f"{prefix}detection.event"]
-    rows = np.nonzero(np.diff(event) > 0)[0] + 1
+    if f"{prefix}detection.event" in result:
+        rows = np.nonzero(np.diff(result[f"{prefix}detection.event"]) > 0)[0] + 1
+        times = [float(t) for t in result.t[rows]]
+    else:
+        times = [e.t for e in result.events if e.name == f"{prefix}detector.event"]
+        rows = np.minimum(np.searchsorted(result.t, np.array(times) - 1e-9), len(result) - 1)
     named = f"{prefix}detector.declared"
     if named in result:
-        masks = result[named].astype(int)
-        return [(float(result.t[k]), int(masks[k])) for k in rows]
+        return list(zip(times, result[named][rows].astype(int).tolist(), strict=True))
     changed = result[f"{prefix}detection.changed"].astype(int)
-    return [(float(result.t[k]), int(changed[k] & ~changed[k - 1]) or int(changed[k])) for k in rows]
+    masks = [int(changed[k] & ~changed[k - 1]) or int(changed[k]) for k in rows]
+    return list(zip(times, masks, strict=True))
 
 
 def detection_report(result: Result, role: str = "", *, least: float = 0.15, horizon: float = 4.0) -> DetectionReport:

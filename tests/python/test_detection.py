@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import csv
 import functools
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import gyrostat as gs
 from gyrostat import _core, detection, papers
+from gyrostat.cli import app
 from gyrostat.design import CHECKS, Finding, iterative_learning
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -213,6 +216,12 @@ def test_roots_of_the_error_loop_are_those_of_its_recursion() -> None:
 )
 def test_the_published_stability_condition(gains: tuple[float, float, float, float], *, holds: bool) -> None:
     assert (iterative_learning.theorem_slack(*gains) < 0.0) is holds
+
+
+def test_a_run_reports_what_was_declared_and_how_late() -> None:
+    printed = CliRunner().invoke(app, ["run", "yang2023/maneuver", "--set", "duration=100"])
+    assert printed.exit_code == 0, printed.output
+    assert re.search(r"actuator 0 declared at 84\.3\d s, 0\.3\d s after a fault of it", printed.output)
 
 
 def finding(scenario: gs.Scenario, name: str) -> Finding | None:
