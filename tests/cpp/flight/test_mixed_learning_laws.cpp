@@ -14,6 +14,17 @@ namespace {
 
 using Surface = RateAttitudeSurface<double>;
 
+template <class S>
+Estimate<S> some_estimate(Random& random) {
+  Measurement<S> y;
+  y.h_w = VecN<S>::Constant(4, S(0.3));
+  y.q_NB = quat_exp<S>(random.vector<S>(1));
+  y.omega_BN_B = random.vector<S>(0.1);
+  Estimate<S> x = Estimate<S>::healthy(y);
+  x.d_B = random.vector<S>(0.1);
+  return x;
+}
+
 TEST(RateAttitudeSurface, ItsTorqueKeepsTheSlidingVariableWhileTheReferenceMoves) {
   Random random(5);
   const auto setup = ftc_4rw<double>();
@@ -131,12 +142,7 @@ TYPED_TEST(SlidingLaws, FollowARelabellingAndReflectionOfTheAxes) {
   const Detection<S> det = Detection<S>::none(setup.vehicle);
   Random random(6);
   for (int k = 0; k < 200; ++k) {
-    Measurement<S> y;
-    y.h_w = VecN<S>::Constant(4, S(0.3));
-    y.q_NB = quat_exp<S>(random.vector<S>(1));
-    y.omega_BN_B = random.vector<S>(0.1);
-    Estimate<S> x = Estimate<S>::healthy(y);
-    x.d_B = random.vector<S>(0.1);
+    const Estimate<S> x = some_estimate<S>(random);
     Estimate<S> z = x;
     z.q_NB.vec() = R * x.q_NB.vec();
     z.omega_BN_B = R * x.omega_BN_B;
@@ -159,11 +165,7 @@ TYPED_TEST(MixedLearningLaws, WithoutItsPowersTheTerminalLawIsTheLinearOne) {
   const Allocation<S> last = Allocation<S>::idle(4);
   Random random(7);
   for (int k = 0; k < 50; ++k) {
-    Measurement<S> y;
-    y.h_w = VecN<S>::Constant(4, S(0.3));
-    y.q_NB = quat_exp<S>(random.vector<S>(1));
-    y.omega_BN_B = random.vector<S>(0.1);
-    const Estimate<S> x = Estimate<S>::healthy(y);
+    const Estimate<S> x = some_estimate<S>(random);
     const Vec3<S> tau = k == 0 ? linear.start(x, det, {}).tau_B : linear.step(x, det, {}, last).tau_B;
     ASSERT_EQ(tau, (k == 0 ? terminal.start(x, det, {}) : terminal.step(x, det, {}, last)).tau_B) << k;
   }
