@@ -80,10 +80,10 @@ class LearningGains:
         least, most = 0.5 / room, 2.0 * (self.M - 1.0)
         if not least < most:
             return float("nan")
-        r7 = np.linspace(least, most, 2001)[1:-1, None]
+        r7 = np.linspace(least, most, 402)[1:-1, None]
         A = 1.0 + 0.5 / r7
         budget = 1.0 / (A * max(self.k1, 1e-6) ** 2) - 1.0  # r1 + r2
-        r2 = budget * np.concatenate([np.geomspace(1e-9, 1e-2, 200), np.linspace(0.01, 1.0, 800)[1:-1]])
+        r2 = budget * np.concatenate([np.geomspace(1e-9, 1e-2, 80), np.linspace(0.01, 1.0, 200)[1:-1]])
         with np.errstate(divide="ignore"):
             over_r4 = np.divide(1.0, A * self.k3**2) - 1.0 - 1.0 / r2
         r4 = np.divide(1.0, over_r4, out=np.full_like(over_r4, np.nan), where=over_r4 > 0.0)

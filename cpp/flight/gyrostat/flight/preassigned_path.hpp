@@ -4,7 +4,7 @@
 ///   p(t) = d0 + d1 t + d2 t^2/2 + sum over i = 0 ... 2 of t^(i+3) sum over j of a_ij d_j / T^(i+3-j),   0 <= t <= T
 ///   p(t) = 0 afterwards;   a = [ -10 -6 -3/2; 15 8 3/2; -6 -3 -1/2 ]
 ///
-/// Source: Cao, Gong, Xue, Wen 2023, eq. (9); a_21 = -3 is printed with the wrong sign there.
+/// Source: Cao, Gong, Xue, Wen 2023, section 4; a_21 = -3 is printed with the wrong sign there.
 #pragma once
 #include <array>
 

@@ -7,7 +7,7 @@
 /// p starts with the error's own value and rate, so that s = 0 from the first sample on: there is no reaching phase and
 /// no singularity. The known dynamics and the observer's d_B are taken away.
 ///
-/// Source: Cao, Gong, Xue, Wen 2023, eq. (8)-(12), with a boundary layer; on a body chi_a'' is turned into a torque by
+/// Source: Cao, Gong, Xue, Wen 2023, eq. (17)-(18), with a boundary layer; on a body chi_a'' is turned into a torque by
 /// tau = J (E chi_a'' + E' chi_a') + w x (J w + D h_w) - d_B. Page: docs/components/preassigned_time_sliding_mode.md
 #pragma once
 #include <algorithm>
