@@ -2,6 +2,7 @@
 // Cost of one flight step and of whole closed loops, erased (as under Python) and static (as embedded).
 #include <benchmark/benchmark.h>
 
+#include <utility>
 #include <vector>
 
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
@@ -10,12 +11,14 @@
 #include "gyrostat/flight/controllers/mixed_learning_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
 #include "gyrostat/flight/controllers/preassigned_time_sliding_mode.hpp"
+#include "gyrostat/flight/controllers/predefined_time.hpp"
 #include "gyrostat/flight/controllers/prescribed_performance.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
 #include "gyrostat/flight/detectors/threshold.hpp"
 #include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
 #include "gyrostat/flight/observers/learning_disturbance.hpp"
+#include "gyrostat/flight/observers/learning_effectiveness.hpp"
 #include "gyrostat/flight/observers/mixed_learning.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
 #include "gyrostat/host/assembly.hpp"
@@ -44,6 +47,10 @@ auto static_li2018(const Assembly& a) {
   return static_stack<FiniteTimeDisturbanceObserver<double>, NoDetector<double>, IntegralSlidingMode<double>,
                       PseudoInverse<double>>(a);
 }
+auto static_cao2022(const Assembly& a) {
+  return static_stack<LearningEffectiveness<double>, NoDetector<double>, PredefinedTime<double>, PseudoInverse<double>>(
+      a);
+}
 auto static_wang2023(const Assembly& a) {
   return static_stack<MixedLearningObserver<double>, NoDetector<double>, MixedLearningSlidingMode<double>,
                       PseudoInverse<double>>(a);
@@ -66,27 +73,27 @@ host::RunEnd run(const Assembly& a, Stack& stack, Watcher&& watcher = Watcher{})
   return host::fly(plant, sensors, reference, stack, a.ticks, watcher);
 }
 
-/// Every measurement of a closed loop.
+/// Every input of the stack in a closed loop.
 struct Tape {
-  std::vector<Measurement<double>> y;
+  std::vector<std::pair<Measurement<double>, Reference<double>>> inputs;
   void before(const Measurement<double>&, const Allocation<double>&) {}
-  void after(Tick, const Measurement<double>& measured, const Reference<double>&) { y.push_back(measured); }
+  void after(Tick, const Measurement<double>& y, const Reference<double>& ref) { inputs.emplace_back(y, ref); }
 };
 
-/// ns a flight step: the stack alone, fed with the measurements of its own closed loop.
+/// ns a flight step: the stack alone, fed with the inputs of its own closed loop.
 template <class Make>
 void flight_step(benchmark::State& state, const Table& scenario, Make make) {
   const Assembly a = host::assemble(scenario);
   auto stack = make(a);
   Tape tape;
   run(a, stack, tape);
-  const Reference<double> ref;
   for (auto _ : state) {
     stack.reset();
-    for (const Measurement<double>& y : tape.y) benchmark::DoNotOptimize(stack.step(y, ref).u.data());
+    for (const auto& [y, ref] : tape.inputs) benchmark::DoNotOptimize(stack.step(y, ref).u.data());
   }
-  state.counters["per_step"] = benchmark::Counter(
-      static_cast<double>(tape.y.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_step"] =
+      benchmark::Counter(static_cast<double>(tape.inputs.size()),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 /// Simulated seconds a CPU second: the whole loop, nothing recorded.
@@ -104,6 +111,7 @@ void closed_loop(benchmark::State& state, const Table& scenario, Make make) {
 const auto make_erased = [](const Assembly& a) { return erased(a); };
 const auto make_static_ftc = [](const Assembly& a) { return static_ftc(a); };
 const auto make_static_li2018 = [](const Assembly& a) { return static_li2018(a); };
+const auto make_static_cao2022 = [](const Assembly& a) { return static_cao2022(a); };
 const auto make_static_wang2023 = [](const Assembly& a) { return static_wang2023(a); };
 const auto make_static_cao2023 = [](const Assembly& a) { return static_cao2023(a); };
 const auto make_static_yang2023 = [](const Assembly& a) { return static_yang2023(a); };
@@ -112,6 +120,8 @@ BENCHMARK_CAPTURE(flight_step, ftc_4rw / erased, ftc_4rw("rk4"), make_erased)->U
 BENCHMARK_CAPTURE(flight_step, ftc_4rw / static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, li2018 / erased, li2018_table1(20), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, li2018 / static, li2018_table1(20), make_static_li2018)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, cao2022 / erased, cao2022(40), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, cao2022 / static, cao2022(40), make_static_cao2022)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, wang2023 / erased, wang2023(20), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, wang2023 / static, wang2023(20), make_static_wang2023)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, cao2023_printed / erased, cao2023("euler_angles"), make_erased)

@@ -139,6 +139,45 @@ inline Table cao2023(const char* coordinates) {
                       Table{{"type", "bias"}, {"actuator", 2}, {"torque", 5.0}}}}};
 }
 
+/// Cao, Gong, Han 2022, Table 1 with a boundary layer, following a moving reference: repaired learning observer and
+/// predefined-time law, three wheels, at 100 Hz.
+inline Table cao2022(double duration) {
+  const auto fault = [](int actuator, double t_on, double remaining) {
+    return Table{{"type", "loss_of_effectiveness"}, {"actuator", actuator}, {"t_on", t_on}, {"remaining", remaining}};
+  };
+  return {{"duration", duration},
+          {"dt", 0.01},
+          {"allow_unstable", true},
+          {"vehicle", Table{{"J_B", row({36, 17, 26})},
+                            {"D_B", List{row({1, 0, 0}), row({0, 1, 0}), row({0, 0, 1})}},
+                            {"u_max", 20.0}}},
+          {"initial", Table{{"mrp", row({0.3, -0.2, 0.2})}}},
+          {"reference", Table{{"type", "mrp_sine"},
+                              {"amplitude", row({0.1, 0.1, 0.1})},
+                              {"frequency", row({0.8, 0.6, 0.7})},
+                              {"phase", row({0, 1, 2})}}},
+          {"observer", Table{{"type", "learning_effectiveness"},
+                             {"kappa", 0.03},
+                             {"u0", 0.3},
+                             {"u_exc", 0.3},
+                             {"M", row({80, 50, 60})},
+                             {"n", 2.5},
+                             {"torque_error", 0.02},
+                             {"memory", 30.0}}},
+          {"controller", Table{{"type", "predefined_time"},
+                               {"h1", 0.5},
+                               {"T1", 10.0},
+                               {"h2", 0.3},
+                               {"T2", 10.0},
+                               {"k_s", 5.0},
+                               {"phi", 0.01},
+                               {"floor1", 1.25e-3},
+                               {"floor2", 1e-12}}},
+          {"allocator", Table{{"type", "pseudo_inverse"}}},
+          {"integrator", Table{{"type", "rk4"}}},
+          {"faults", List{fault(0, 5.0, 0.8), fault(1, 8.0, 0.6), fault(2, 10.0, 0.4)}}};
+}
+
 /// Yang et al. 2023: one slew of three axes and a spare at 100 Hz, actuator 0 at 60 % from 4 s, so that all four are in use;
 /// robust allocation.
 inline Table yang2023_slew(double duration) {

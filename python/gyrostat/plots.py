@@ -78,6 +78,7 @@ class Figure:
         labels: Sequence[str] = (),
         log: bool = False,
         style: str = "-",
+        color: str | None = None,
     ) -> None:
         """Draw a signal, one line a column.
 
@@ -95,6 +96,8 @@ class Figure:
             Draw ``|x|`` on a logarithmic axis.
         style
             Line style of matplotlib; lines that are not solid take the colours of the first ones again.
+        color
+            Of all columns, instead of those.
         """
         times, values = np.asarray(t, dtype=float), np.asarray(x, dtype=float)
         self._remember(name, times, values, unit)
@@ -102,9 +105,9 @@ class Figure:
         columns = values.reshape(len(values), -1)
         for i, column in enumerate(columns.T):
             shown = np.where(column == 0.0, np.nan, np.abs(column)) if log else column
-            color = COLORS[(len(axis.lines) if style == "-" else i) % len(COLORS)]
+            usual = COLORS[(len(axis.lines) if style == "-" else i) % len(COLORS)]
             label = labels[i] if i < len(labels) else name if columns.shape[1] == 1 else f"{i}"
-            axis.plot(*thin(times, shown), style, color=color, linewidth=1.1, label=label)
+            axis.plot(*thin(times, shown), style, color=color or usual, linewidth=1.1, label=label)
         if log:
             axis.set_yscale("log")
         if not axis.get_ylabel():

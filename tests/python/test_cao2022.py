@@ -17,7 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 import gyrostat as gs
-from gyrostat import design, papers
+from gyrostat import papers
 from gyrostat.design import learning_effectiveness, predefined_time
 from gyrostat.papers.cao2022 import signals
 
@@ -91,6 +91,20 @@ def test_every_worker_flies_runs_of_one_campaign_and_their_number_changes_no_bit
     assert alone.evaluations[0].measured == shared.evaluations[0].measured
 
 
+def test_without_a_limit_what_no_floor_means_decides() -> None:
+    """With V1 floored at 1e-12, as here, or at 1e-30: the share of runs inside 1e-2 from 20 s on."""
+    paper = papers.load("cao2022")
+    for campaign, low, high in [("nofloor", 0.0, 0.1), ("nofloor_free", 0.2, 0.5)]:
+        shares = []
+        for floor in (1e-12, 1e-30):
+            scenario = paper.campaigns[campaign].scenario.replace(**{"controller.floor1": floor})
+            flown = dataclasses.replace(paper.campaigns[campaign], scenario=scenario)
+            one = dataclasses.replace(paper, cases={}, claims=(), figures=(), campaigns={campaign: flown})
+            settling = papers.reproduce(one).ensembles[campaign]["settling_1e-2"]
+            shares.append(float(np.mean(np.nan_to_num(settling, nan=np.inf) < 20.0)))
+        assert low <= shares[1] - shares[0] <= high, campaign
+
+
 def test_mistakes_in_a_campaign_are_named(tmp_path: Path) -> None:
     source = Path(papers.__file__).parent / "cao2022"
     study = tmp_path / "copy"
@@ -150,16 +164,19 @@ def test_the_printed_gains_violate_theorem_1_whatever_is_left_free() -> None:
     assert learning_effectiveness.findings(case("case1_repaired")) == []
 
 
-def test_gyrostat_check_rejects_table_1() -> None:
+def check(scenario: str) -> subprocess.CompletedProcess[str]:
     start = "from gyrostat.cli import main; main()"
-    scenario = case("case1_literal")
-    findings = [f for look in design.CHECKS for f in look(scenario)]
-    assert any(f.name == "c1" and f.ok is False for f in findings)
-    done = subprocess.run(
-        [sys.executable, "-c", start, "check", "cao2022/attitude"], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 1, "T1 + T2 = 20 s cannot be kept with 20 N m"
-    assert "feasible_time" in done.stdout
+    return subprocess.run([sys.executable, "-c", start, "check", scenario], capture_output=True, text=True, check=False)
+
+
+def test_gyrostat_check_rejects_table_1() -> None:
+    gains = check("cao2022/constant_torque")
+    assert gains.returncode == 1
+    assert "= -176, must be > 0" in gains.stdout
+    assert "= -399, must be >= 0" in gains.stdout
+    time = check("cao2022/attitude")
+    assert time.returncode == 1, "T1 + T2 = 20 s cannot be kept with 20 N m"
+    assert "feasible_time" in time.stdout
 
 
 @pytest.mark.parametrize("V0", [1e-3, 1e-2, 0.1, 1.0, 10.0])
@@ -213,6 +230,38 @@ def test_an_effectiveness_that_is_not_known_is_not_divided_by() -> None:
     late = cautious.t > 6.0
     assert np.abs(believing["allocation.u"][late]).max() == 20.0
     assert np.abs(cautious["allocation.u"][late]).max() < 1.0
+
+
+def test_what_is_known_is_divided_by_all_the_same() -> None:
+    """A moving reference excites the wheels: with bounds for all of them, refusing what is unknown changes nothing."""
+    tracking = case("case1_repaired_tracking").replace(**{"allocator.unknown": "nominal"})
+    names = ["error.mrp", "estimate.effectiveness", "estimate.effectiveness_bound", "truth.effectiveness"]
+    result = tracking.run(channels=names)
+    late = result.t > 15.0
+    assert np.isfinite(result["estimate.effectiveness_bound"][late]).all()
+    assert np.abs(signals.effectiveness_error(result)[late]).max() < 0.01
+    assert np.abs(result["error.mrp"][late]).max() < 1e-5
+
+
+def test_estimates_are_held_to_the_bit_below_the_excitation_threshold() -> None:
+    result = case("case1_repaired_smooth").run(channels=["allocation.u", "estimate.effectiveness"])
+    e, u = result["estimate.effectiveness"], result["allocation.u"]
+    held = np.abs(u[:-1]) <= 0.3
+    assert 0 < np.count_nonzero(held) < held.size
+    np.testing.assert_array_equal(e[1:][held], e[:-1][held])
+    assert np.count_nonzero(e[1:][~held] != e[:-1][~held]) > 100
+
+
+def test_a_bound_is_given_once_the_information_exceeds_its_level() -> None:
+    """Half-width sqrt(2 / (1 + information)) below `unknown_above`: information above 2 / unknown_above^2 - 1 = 7."""
+    scenario = case("case1_repaired_tracking")
+    level = 2.0 / scenario.resolve()["observer"]["unknown_above"] ** 2 - 1.0
+    result = scenario.run(channels=["estimate.effectiveness_bound", "observer.information"])
+    known = np.isfinite(result["estimate.effectiveness_bound"])
+    assert level == pytest.approx(7.0)
+    np.testing.assert_array_equal(known, result["observer.information"] > level)
+    assert not known[0].any()
+    assert known[-1].all()
 
 
 def test_unknown_effectiveness_of_one_changes_nothing() -> None:

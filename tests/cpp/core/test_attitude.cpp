@@ -72,6 +72,8 @@ TYPED_TEST(Attitude, MrpRateMatrixIdentities) {
     EXPECT_LT((sigma.transpose() * G - k * sigma.transpose()).norm(), this->rounding);
     EXPECT_LT((G.transpose() * G - k * k * Mat3<S>::Identity()).norm(), this->rounding);
     EXPECT_LT((mrp_rate_matrix_inverse(sigma) * G - Mat3<S>::Identity()).norm(), this->rounding);
+    const Vec3<S> beyond = this->random.template vector<S>(S(1.73));  // |sigma| up to 3
+    EXPECT_LT((mrp_rate_matrix_inverse(beyond) * mrp_rate_matrix(beyond) - Mat3<S>::Identity()).norm(), this->rounding);
   }
 }
 

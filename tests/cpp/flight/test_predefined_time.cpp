@@ -5,7 +5,9 @@
 
 #include "../random.hpp"
 #include "closed_loop.hpp"
+#include "gyrostat/flight/controllers/finite_time.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
+#include "gyrostat/flight/controllers/saturated_pd.hpp"
 #include "gyrostat/flight/controllers/terminal_sliding_mode.hpp"
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
@@ -44,17 +46,35 @@ class PredefinedTimeLaw : public testing::Test {};
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(PredefinedTimeLaw, Scalars);
 
+template <class Law>
+void asks_for_nothing_on_target(const Setup<typename Law::Scalar>& setup, const typename Law::Params& params) {
+  using S = typename Law::Scalar;
+  auto p = params;
+  for (const S phi : {S(0), S(1e-3)}) {
+    for (const auto direction : {SwitchingDirection::surface, SwitchingDirection::matched}) {
+      p.phi = phi;
+      p.direction = direction;
+      Law law(setup, p);
+      const Detection<S> det = Detection<S>::none(setup.vehicle);
+      EXPECT_EQ(law.start(at<S>(Quat<S>::Identity(), Vec3<S>::Zero(), setup.vehicle.actuators()), det, {}).tau_B,
+                Vec3<S>(Vec3<S>::Zero()));
+      // s = 0 off the target, and the target passed at a rate
+      const Vec3<S> tiny = Vec3<S>::Constant(S(1e-19));
+      for (const Vec3<S>& w : {Vec3<S>(Vec3<S>::UnitX()), tiny})
+        EXPECT_TRUE(law.start(at<S>(quat_exp<S>(tiny), w, setup.vehicle.actuators()), det, {}).tau_B.allFinite());
+    }
+  }
+}
+
 TYPED_TEST(PredefinedTimeLaw, AsksForNothingOnTargetAndIsFiniteThere) {
   using S = TypeParam;
   const Setup<S> setup = ftc_4rw<S>();
-  const Detection<S> det = Detection<S>::none(setup.vehicle);
   auto p = PredefinedTime<S>::Params::defaults(setup);
-  for (const S phi : {S(0), p.phi}) {
-    p.phi = phi;
-    PredefinedTime<S> law(setup, p);
-    const Vec3<S> tau_B = law.start(at<S>(Quat<S>::Identity(), Vec3<S>::Zero(), 4), det, {}).tau_B;
-    EXPECT_EQ(tau_B, Vec3<S>(Vec3<S>::Zero()));
-  }
+  asks_for_nothing_on_target<PredefinedTime<S>>(setup, p);
+  asks_for_nothing_on_target<TerminalSlidingMode<S>>(setup, TerminalSlidingMode<S>::Params::defaults(setup));
+  p.h1 = S(0.5);
+  p.floor1 = p.floor2 = S(1e-30);  // as printed
+  asks_for_nothing_on_target<PredefinedTime<S>>(setup, p);
 }
 
 /// The way to the surface and along it is the printed law: s' = -psi(V2) s - (switching) on the nominal plant.
@@ -190,6 +210,8 @@ TEST(ShadowSetDouble, EveryMrpLawHasTheOption) {
   flies_the_long_way_when_told<PredefinedTime<double>>();
   flies_the_long_way_when_told<TerminalSlidingMode<double>>();
   flies_the_long_way_when_told<MrpFeedback<double>>();
+  flies_the_long_way_when_told<FiniteTime<double>>();
+  flies_the_long_way_when_told<SaturatedPd<double>>();
 }
 
 }  // namespace

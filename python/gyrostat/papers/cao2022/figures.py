@@ -28,24 +28,26 @@ def _channel(name: str) -> Signal:
     return lambda result: result[name]
 
 
-def _by_wheel(title: str, quantity: str, curves: Sequence[tuple[str, Result, Array]], end: float = 50.0) -> Figure:
+def _by_wheel(
+    title: str, quantity: str, curves: Sequence[tuple[str, Result, Array]], end: float = 50.0, *, log: bool = False
+) -> Figure:
     """A panel an axis or wheel, one line a curve."""
     figure = Figure(title, rows=3)
     for i in range(3):
         figure.axes[i].set_ylabel(f"{quantity}, {i}", fontsize=9)
         for name, result, x in curves:
-            figure.line(i, result.t, x[:, i], f"{quantity} {i}, {name}", labels=[name])
+            figure.line(i, result.t, x[:, i], f"{quantity} {i}, {name}", labels=[name], log=log)
     figure.mark([fault for fault in _faults if fault[0] < end])
     figure.window(0, end)
     return figure
 
 
-def _case1(title: str, quantity: str, results: Results, *, own: Signal, shadow: Signal) -> Figure:
+def _case1(title: str, quantity: str, results: Results, *, own: Signal, shadow: Signal, log: bool = False) -> Figure:
     curves = [
         (name, results[case], (shadow if name.startswith("adaptive") else own)(results[case]))
         for name, case in _observers.items()
     ]
-    return _by_wheel(title, quantity, curves)
+    return _by_wheel(title, quantity, curves, log=log)
 
 
 def _figure_2(results: Results) -> Figure:
@@ -59,7 +61,8 @@ def _figure_2(results: Results) -> Figure:
             signals.effectiveness_now(result)[:, i],
             f"effectiveness {i}, true",
             labels=["true"],
-            style="k--",
+            style="--",
+            color="black",
         )
     return figure
 
@@ -71,7 +74,9 @@ def _figure_3(results: Results) -> Figure:
 
 def _figure_4(results: Results) -> Figure:
     own, shadow = _channel("observer.rate_error"), _channel("shadow0.observer.rate_error")
-    return _case1("Fig. 4: error of the predicted rate", "rate error (rad/s)", results, own=own, shadow=shadow)
+    return _case1(
+        "Fig. 4: error of the predicted rate", "rate error (rad/s)", results, own=own, shadow=shadow, log=True
+    )
 
 
 def _case2(title: str, quantity: str, channel: str, results: Results, laws: Mapping[str, str]) -> Figure:
@@ -142,7 +147,9 @@ def _printed_alone(results: Results) -> Figure:
                 labels=[name],
             )
         truth = signals.effectiveness_now(results["open_plus5"])[:, i]
-        figure.line(i, results["open_plus5"].t, truth, f"effectiveness {i}, true", labels=["true"], style="k--")
+        figure.line(
+            i, results["open_plus5"].t, truth, f"effectiveness {i}, true", labels=["true"], style="--", color="black"
+        )
     figure.mark(_faults)
     figure.window(0, 20)
     return figure
