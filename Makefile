@@ -93,7 +93,7 @@ debian-test:
 	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev libgtest-dev libgmock-dev
 
 debian-fuzz: debian-run
-	@scripts/debian_packages clang libomp-dev
+	@scripts/debian_packages clang libclang-rt-dev libomp-dev
 
 debian-embedded: debian-run
 	@scripts/debian_packages gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm

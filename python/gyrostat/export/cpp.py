@@ -68,7 +68,7 @@ def _parts(code: FlightCode) -> dict[str, object]:
 
 
 def _setting(p: Parameter) -> str:
-    return f'"{p.name}", ' + ", ".join(_number(x) for x in p.numbers) + ")"
+    return f'"{p.name}", ' + (", ".join(_number(x) for x in p.numbers) or "nullptr, 0") + ")"  # an empty mask
 
 
 def _comment(p: Parameter) -> str:

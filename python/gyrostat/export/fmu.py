@@ -72,7 +72,7 @@ def _variables(code: FlightCode) -> Iterator[Variable]:
     """Parameters, then inputs, then outputs: the order that the sources know."""
     for component in code.components:
         for p in component.params:
-            yield from _parameter_variables(component.role, p)
+            yield from _parameter_variables(component.role, p, code.actuators)
     facts = {c["name"]: c for c in code.scenario.channel_names()}
     for signal, width in code.columns.items():
         causality = "input" if signal in INPUTS else "output"
@@ -82,7 +82,11 @@ def _variables(code: FlightCode) -> Iterator[Variable]:
             yield Variable(signal + suffix, kind, causality, start, facts[signal]["unit"], facts[signal]["meaning"])
 
 
-def _parameter_variables(role: str, p: Parameter) -> Iterator[Variable]:
+def _parameter_variables(role: str, p: Parameter, actuators: int) -> Iterator[Variable]:
+    if p.kind == "mask":  # of any length up to that of the vehicle: a switch for each actuator
+        for i in range(actuators):
+            yield Variable(f"{role}.{p.name}[{i}]", "Boolean", "parameter", float(i in p.numbers), "", p.meaning)
+        return
     kind = {"choice": "Enumeration", "switch": "Boolean", "integer": "Integer"}.get(p.kind, "Real")
     for name, value in zip(p.elements(), p.numbers, strict=True):
         yield Variable(f"{role}.{name}", kind, "parameter", value, p.unit, p.meaning, p.lo, p.hi, p.options)
@@ -93,12 +97,16 @@ def _write_sources(code: FlightCode, folder: Path, variables: list[Variable], gu
     parameters, first = [], 0
     for component in code.components:
         for p in component.params:
-            parameters.append(f'    {{Parameter::{component.role}, "{p.name}", {first}, {len(p.numbers)}}},')
-            first += len(p.numbers)
+            is_mask = p.kind == "mask"
+            count = code.actuators if is_mask else len(p.numbers)
+            parameters.append(
+                f'    {{Parameter::{component.role}, "{p.name}", {first}, {count}, {str(is_mask).lower()}}},'
+            )
+            first += count
     types = {"Real": "real", "Integer": "integer", "Enumeration": "integer", "Boolean": "boolean"}
     values = names(code) | {
         "guid": guid,
-        "parameters": "\n".join(parameters or ['    {Parameter::observer, "", 0, 0},']),
+        "parameters": "\n".join(parameters or ['    {Parameter::observer, "", 0, 0, false},']),
         "parameter_count": len(parameters),
         "first_input": first,
         "first_output": first + sum(v.causality == "input" for v in variables),

@@ -100,14 +100,14 @@ struct Outcome {
   Spoil slowest_after{};  ///< what the slowest episode had been spoilt with
 };
 
-/// FTC-4RW at 100 Hz with one component exchanged, started near its target. A law that does not regulate is asked
-/// for its flags alone.
+/// FTC-4RW at 100 Hz with one component exchanged, started near its target. An observer's d_B is taken away, so that what
+/// it remembers of the abuse is felt. A law that does not regulate is asked for its flags alone.
 inline host::Table loop_with(const std::string& role, const std::string& name) {
   host::Table s = bench::ftc_4rw("rk4");
   s.set("initial", host::Table{{"mrp", bench::row({0.001, -0.002, 0.001})}});
   s.set("duration", 1e6);
   s.set("allow_unstable", true);
-  s.set("controller", host::Table{{"type", "mrp_feedback"}});
+  s.set("controller", host::Table{{"type", "mrp_feedback"}, {"compensate", role == "observer"}});
   s.set(role, host::Table{{"type", name}});
   return s;
 }
