@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Every stack can be exported: those of the papers, and between them every flight component of the catalogue, whatever arrives
-later. One program holds all of them; it replays their recorded loops, in `double` and in `float`.
+"""Every stack can be exported: those of the papers, and between them every flight component of the catalogue.
+
+One program holds all of them; it replays their recorded loops, in `double` and in `float`.
 
 ``tests/golden/float_stacks.csv`` states how far `float` may be from `double` for each stack;
 ``python tests/python/test_export_stacks.py`` writes it anew.
@@ -170,8 +171,10 @@ def write_table() -> None:
     """``stated`` is a power of ten with at least a factor of two above what was measured."""
     with tempfile.TemporaryDirectory() as folder, TABLE.open("w", newline="") as file:
         replayed = Replayed(Path(folder))
-        file.write(f"# float against double, largest difference of a command in {SAMPLES} recorded samples played back,\n")
-        file.write("# relative to the largest command. Written by tests/python/test_export_stacks.py.\n")
+        file.write(
+            f"# float against double, largest difference of a command in {SAMPLES} recorded samples played back,\n"
+        )
+        file.write("relative to the largest command. Written by tests/python/test_export_stacks.py.\n")
         rows: list[Any] = [HEAD]
         for name in replayed.codes:
             measured = replayed.float_deviation(name)

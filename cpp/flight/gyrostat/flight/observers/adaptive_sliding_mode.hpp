@@ -40,8 +40,9 @@ class AdaptiveSlidingMode {
       field(p.k_rho, Field{"k_rho", "N m/rad", 0, 1e9, "rate of the switching gain"});
       field(p.rho_max, Field{"rho_max", "N m", 0, 1e9, "largest switching gain"});
       field(p.dead_zone, Field{"dead_zone", "rad/s", 0, 1e3, "rate errors up to this leave the switching gain alone"});
-      field(p.e_min, Field{"e_min", "", 0, 1,
-                           "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
+      field(p.e_min,
+            Field{"e_min", "", 0, 1,
+                  "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
     }
 
     /// L makes the rate error forget a tenth a period; gamma gives e the time constant of a hundred periods under a third of

@@ -47,8 +47,9 @@ class LearningEffectiveness {
       field(p.kappa, Field{"kappa", "", 1e-6, 2, "share of the residual that is learned a sample"});
       field(p.u0, Field{"u0", "N m", 1e-12, 1e9, "command at which learning has half its rate"});
       field(p.u_exc, Field{"u_exc", "N m", 0, 1e9, "commands up to this one teach nothing: the estimate is held"});
-      field(p.e_min, Field{"e_min", "", 0, 1,
-                           "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
+      field(p.e_min,
+            Field{"e_min", "", 0, 1,
+                  "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
       field(p.M, Field{"M", "N m s", 0, 1e9, "correction of the predicted rate"});
       field(p.n, Field{"n", "N m", 0, 1e9, "its switching part"});
       field(p.torque_error, Field{"torque_error", "N m", 1e-12, 1e9, "bound of what no command explains"});

@@ -50,8 +50,9 @@ class LearningEffectivenessPrinted {
       field(p.n, Field{"n", "N m", 0, 1e9, "its switching part"});
       field(p.layer, Field{"layer", "rad/s", 0, 1e3, "boundary layer of the switching part; 0: sign, as printed"});
       field(p.delay, Field{"delay", "s", 1e-9, 1e6, "how long ago the earlier values are, a whole number of periods"});
-      field(p.e_min, Field{"e_min", "", 0, 1,
-                           "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
+      field(p.e_min,
+            Field{"e_min", "", 0, 1,
+                  "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
       field(p.direction, Choice{"direction", "none|command",
                                 "of the learning term: none as printed; sign of the command, held below u_exc"});
       field(p.u_exc, Field{"u_exc", "N m", 0, 1e9, "smallest command that teaches, with direction = command"});
