@@ -10,12 +10,14 @@
 #include "gyrostat/flight/controllers/integral_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/mixed_learning_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
+#include "gyrostat/flight/controllers/preassigned_time_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/predefined_time.hpp"
 #include "gyrostat/flight/controllers/prescribed_performance.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
 #include "gyrostat/flight/detectors/threshold.hpp"
 #include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
+#include "gyrostat/flight/observers/learning_disturbance.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness.hpp"
 #include "gyrostat/flight/observers/mixed_learning.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
@@ -51,6 +53,10 @@ auto static_cao2022(const Assembly& a) {
 }
 auto static_wang2023(const Assembly& a) {
   return static_stack<MixedLearningObserver<double>, NoDetector<double>, MixedLearningSlidingMode<double>,
+                      PseudoInverse<double>>(a);
+}
+auto static_cao2023(const Assembly& a) {
+  return static_stack<LearningDisturbanceObserver<double>, NoDetector<double>, PreassignedTimeSlidingMode<double>,
                       PseudoInverse<double>>(a);
 }
 auto static_yang2023(const Assembly& a) {
@@ -107,6 +113,7 @@ const auto make_static_ftc = [](const Assembly& a) { return static_ftc(a); };
 const auto make_static_li2018 = [](const Assembly& a) { return static_li2018(a); };
 const auto make_static_cao2022 = [](const Assembly& a) { return static_cao2022(a); };
 const auto make_static_wang2023 = [](const Assembly& a) { return static_wang2023(a); };
+const auto make_static_cao2023 = [](const Assembly& a) { return static_cao2023(a); };
 const auto make_static_yang2023 = [](const Assembly& a) { return static_yang2023(a); };
 
 BENCHMARK_CAPTURE(flight_step, ftc_4rw / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
@@ -117,6 +124,13 @@ BENCHMARK_CAPTURE(flight_step, cao2022 / erased, cao2022(40), make_erased)->Unit
 BENCHMARK_CAPTURE(flight_step, cao2022 / static, cao2022(40), make_static_cao2022)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, wang2023 / erased, wang2023(20), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, wang2023 / static, wang2023(20), make_static_wang2023)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, cao2023_printed / erased, cao2023("euler_angles"), make_erased)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, cao2023_printed / static, cao2023("euler_angles"), make_static_cao2023)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, cao2023_body / erased, cao2023("body"), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, cao2023_body / static, cao2023("body"), make_static_cao2023)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, yang2023 / erased, yang2023_slew(40), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, yang2023 / static, yang2023_slew(40), make_static_yang2023)
     ->Unit(benchmark::kMillisecond);

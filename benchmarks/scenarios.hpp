@@ -143,6 +143,41 @@ inline Table cao2022(double duration) {
           {"faults", List{fault(0, 5.0, 0.8), fault(1, 8.0, 0.6), fault(2, 10.0, 0.4)}}};
 }
 
+/// Cao, Gong, Xue, Wen 2023: four thrusters at 1 kHz, memory of ten samples, T = 5 s; the printed Euler-angle model or a body.
+inline Table cao2023(const char* coordinates) {
+  return {
+      {"duration", 10.0},
+      {"dt", 0.001},
+      {"vehicle", Table{{"coordinates", coordinates},
+                        {"J_B", row({200, 400, 200})},
+                        {"D_B", List{row({134, 134, 134, 134}), row({276, -276, -276, 276}), row({56, 56, -56, -56})}},
+                        {"orbit_rate", 0.0010312}}},
+      {"initial", Table{{"euler", row({-0.7, -0.07, 1.5})}, {"omega_BN_B", row({0.5, 1.3, -0.2})}}},
+      {"reference", Table{{"type", "euler_sine"},
+                          {"offset", row({2, 0, 0})},
+                          {"amplitude", row({0, 0, 0.5})},
+                          {"frequency", row({0, 0, 2})},
+                          {"phase", row({0, 0, std::numbers::pi / 2})}}},
+      {"observer", Table{{"type", "learning_disturbance"},
+                         {"form", "rolling"},
+                         {"interval", 0.01},
+                         {"M", 18.0},
+                         {"k1", 0.98},
+                         {"k2", 15.0},
+                         {"k3", 5.0}}},
+      {"controller", Table{{"type", "preassigned_time_sliding_mode"},
+                           {"T", 5.0},
+                           {"c", 10.0},
+                           {"b", 2.0},
+                           {"eta", 5.5},
+                           {"layer", 0.1},
+                           {"stretch", 0.0}}},
+      {"allocator", Table{{"type", "pseudo_inverse"}}},
+      {"integrator", Table{{"type", "rk4"}, {"substeps", 2}}},
+      {"faults", List{Table{{"type", "bias"}, {"actuator", 0}, {"torque", 2.0}},
+                      Table{{"type", "bias"}, {"actuator", 2}, {"torque", 5.0}}}}};
+}
+
 /// Yang et al. 2023: one slew of three axes and a spare at 100 Hz, actuator 0 at 60 % from 4 s, so that all four are in use;
 /// robust allocation.
 inline Table yang2023_slew(double duration) {

@@ -222,38 +222,38 @@ def check(
     fly: Annotated[
         bool, typer.Option("--fly", help="Fly it too, and say how often its demand is out of the actuators' reach.")
     ] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Draw frequency response and gain region there.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Check a scenario without flying it: components against vehicle and period, stability, torque within reach.
 
+    With a learning disturbance observer it gives the exact conditions of stability, for every delay and as sampled, and
+    what the published theorem admits; `--out` draws the frequency response of its error and the gains that are stable.
     With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
     loop. With a finite-time disturbance observer it says whether feeding the estimate forward through weakened
-    actuators is stable, unstable or unproven, with the critical effectiveness. It also says which torque the actuators
-    can give in every direction, healthy and when the faults leave them least. Exit status 1 if a check fails.
+    actuators is stable, unstable or unproven, with the critical effectiveness. With an observer of effectiveness it
+    says what cannot be identified. It also says which torque the actuators can give in every direction, healthy and
+    when the faults leave them least. Exit status 1 if a check fails.
 
     Examples: `gyrostat check wheel2_degraded --torque 0.1 0.2 0`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """
-    from gyrostat.design import CHECKS, scenario_margin, torque_findings
+    from gyrostat import design
 
     checked = _scenario(scenario, settings)
     rows = checked.check()
-    findings = [finding for look in CHECKS for finding in look(checked)]
-    findings += torque_findings(checked, torque, fly=fly)
-    margin = scenario_margin(checked, effectiveness)
+    findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
+    if out is not None:
+        folder = writable_folder(out)
+        for name, figure in [drawn for draw in design.FIGURES for drawn in draw(checked).items()]:
+            figure.save(folder / f"{name}.png")
     if as_json:
-        _print_json(
-            {
-                "checks": rows,
-                "design": [vars(f) for f in findings],
-                "compensation": None if margin is None else vars(margin),
-            }
-        )
+        _print_json({"checks": rows, "design": [vars(f) for f in findings]})
     else:
         lines = [(r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows]
         verdicts = {True: "ok: ", False: "fails: ", None: ""}
         lines += [(f.where, f.name, verdicts[f.ok] + f.text) for f in findings]
-        if margin is not None:
-            lines.append(("compensation", checked.resolve()["observer"]["type"], str(margin)))
         _print_columns(lines)
     if not all(r["ok"] for r in rows) or any(f.ok is False for f in findings):
         raise typer.Exit(1)
@@ -435,7 +435,27 @@ def _summary(result: Result) -> str:
             for i, (e, t) in enumerate(zip(estimated, true, strict=True))
             if e != 1.0
         ]
+    if "detector.declared" in result.channels:
+        parts += _declared(result)
     return "; ".join(parts) or f"{len(result)} samples to {result.end_time:g} s"
+
+
+def _declared(result: Result) -> list[str]:
+    """When the detector declared which actuators, and how long after a fault of theirs; a count when it was often."""
+    from gyrostat.detection import declarations, true_changes
+
+    found = declarations(result)
+    if len(found) > 5:
+        return [f"{len(found)} faults declared"]
+    every_sample = len(result) > 1 and result.t[1] < 1.5 * float(result.description["dt"])
+    faults = true_changes(result, 0.05) if every_sample and "truth.effectiveness" in result.channels else []
+    parts = []
+    for t, mask in found:
+        named = [i for i in range(mask.bit_length()) if mask >> i & 1]
+        earlier = [at for at, actuator, _ in faults if actuator in named and at <= t]
+        after = f", {t - earlier[-1]:.2f} s after a fault of it" if earlier else ""
+        parts.append(f"actuator {', '.join(map(str, named))} declared at {t:.2f} s{after}")
+    return parts
 
 
 def _print_reproduction(reproduction: Reproduction) -> None:

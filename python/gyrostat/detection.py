@@ -8,14 +8,17 @@ declaration that belongs to no change is a false alarm.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gyrostat._core import catalogue
+from gyrostat.components import Component
 from gyrostat.results import Result
+from gyrostat.scenario import Scenario
 
 Array = NDArray[np.float64]
 Answer = Literal["isolated", "ambiguous", "wrong", "missed"]
@@ -47,12 +50,17 @@ class DetectionReport:
     isolation: NDArray[np.int_]
     """Counts, shape (n, n + 2): row the actuator that changed; columns the actuator named alone, ambiguous, missed."""
     error: Array
-    """Root mean square of the effectiveness estimate less the truth, an actuator, shape (n,)."""
+    """Root mean square of the effectiveness less the truth, an actuator, shape (n,); with ``detector.effectiveness`` it
+    counts what the detector maps of a torque estimate onto the actuators that push."""
 
     @property
     def missed(self) -> int:
         """Number of changes without a declaration."""
-        return sum(c.answer == "missed" for c in self.changes)
+        return self.count("missed")
+
+    def count(self, answer: Answer) -> int:
+        """Number of changes with this answer."""
+        return sum(c.answer == answer for c in self.changes)
 
     @property
     def delays(self) -> Array:
@@ -125,18 +133,22 @@ def true_changes(result: Result, least: float) -> list[tuple[float, int, float]]
 def declarations(result: Result, role: str = "") -> list[tuple[float, int]]:
     """(time s, bit mask named) of each declaration of the loop's detector, or of a shadow's (``"shadow0"``).
 
-    Needs the channels ``detection.event`` and, of a `threshold` detector, ``detector.declared``; without the latter the
-    mask is what is new in ``detection.changed``.
+    Needs ``detection.event``, or for the loop's own detector the events of the run, and of a `threshold` detector
+    ``detector.declared``; without the latter the mask is what is new in ``detection.changed``.
     """
     prefix = f"{role}." if role else ""
-    event = result[f"{prefix}detection.event"]
-    rows = np.nonzero(np.diff(event) > 0)[0] + 1
+    if f"{prefix}detection.event" in result:
+        rows = np.nonzero(np.diff(result[f"{prefix}detection.event"]) > 0)[0] + 1
+        times = [float(t) for t in result.t[rows]]
+    else:
+        times = [e.t for e in result.events if e.name == f"{prefix}detector.event"]
+        rows = np.minimum(np.searchsorted(result.t, np.array(times) - 1e-9), len(result) - 1)
     named = f"{prefix}detector.declared"
     if named in result:
-        masks = result[named].astype(int)
-        return [(float(result.t[k]), int(masks[k])) for k in rows]
+        return list(zip(times, result[named][rows].astype(int).tolist(), strict=True))
     changed = result[f"{prefix}detection.changed"].astype(int)
-    return [(float(result.t[k]), int(changed[k] & ~changed[k - 1]) or int(changed[k])) for k in rows]
+    masks = [int(changed[k] & ~changed[k - 1]) or int(changed[k]) for k in rows]
+    return list(zip(times, masks, strict=True))
 
 
 def detection_report(result: Result, role: str = "", *, least: float = 0.15, horizon: float = 4.0) -> DetectionReport:
@@ -145,8 +157,8 @@ def detection_report(result: Result, role: str = "", *, least: float = 0.15, hor
     Parameters
     ----------
     result
-        Must hold ``truth.effectiveness``, the role's ``estimate.effectiveness``, ``detection.event`` and
-        ``detector.declared`` (or ``detection.changed``), recorded at every sample.
+        Must hold ``truth.effectiveness``, the role's ``detector.effectiveness`` (or ``estimate.effectiveness``),
+        ``detection.event`` and ``detector.declared`` (or ``detection.changed``), recorded at every sample.
     role
         "" for the pair that closes the loop, ``"shadow0"``, ... for those beside it.
     least
@@ -155,10 +167,47 @@ def detection_report(result: Result, role: str = "", *, least: float = 0.15, hor
         s, how long after a jump a declaration still belongs to it.
     """
     e = result["truth.effectiveness"]
-    estimate = result[f"{role}.estimate.effectiveness" if role else "estimate.effectiveness"]
+    prefix = f"{role}." if role else ""
+    mapped, own = f"{prefix}detector.effectiveness", f"{prefix}estimate.effectiveness"
+    estimate = result[mapped if mapped in result else own]
     found, false, isolation = evaluate(true_changes(result, least), declarations(result, role), e.shape[1], horizon)
     error = np.sqrt(np.mean((estimate[1:] - e[1:]) ** 2, axis=0))
     return DetectionReport(found, false, isolation, error)
+
+
+def compare(
+    scenario: Scenario,
+    observers: Mapping[str, Component | Mapping[str, Any] | str] | None = None,
+    *,
+    least: float = 0.15,
+    horizon: float = 4.0,
+) -> dict[str, DetectionReport]:
+    """Hold observers against each other: all on the same measurements and commands, each with the scenario's detector.
+
+    Parameters
+    ----------
+    scenario
+        What is flown; its own observer closes the loop. Its detector must declare changes (`threshold`).
+    observers
+        By label; every observer of the catalogue with its default parameters when not given.
+    least, horizon
+        As in `detection_report`.
+
+    Returns
+    -------
+    dict
+        A report by label. An observer of one lumped torque is heard through the detector, which maps its ``d_B`` onto
+        the actuators that push.
+    """
+    chosen = observers or {name: name for name in catalogue()["observer"]}
+    detector = scenario.resolve()["detector"]
+    roles = {label: f"shadow{k}" for k, label in enumerate(chosen)}
+    wanted = ("detector.effectiveness", "detector.declared", "detection.event")
+    beside = scenario.replace(
+        shadows=[{"observer": observer, "detector": detector} for observer in chosen.values()], record=None
+    )
+    flown = beside.run(channels=["truth.effectiveness", *(f"{r}.{c}" for r in roles.values() for c in wanted)])
+    return {label: detection_report(flown, role, least=least, horizon=horizon) for label, role in roles.items()}
 
 
 @dataclass(frozen=True)
@@ -226,6 +275,7 @@ __all__ = [
     "Change",
     "DetectionReport",
     "Identifiability",
+    "compare",
     "declarations",
     "detection_report",
     "evaluate",

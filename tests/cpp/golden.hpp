@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// @file  Reads the reference rows of tests/golden.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -54,5 +56,21 @@ class Golden {
  private:
   std::map<std::string, std::vector<double>> columns_;
 };
+
+/// Samples that a stack is held to, and how closely, as a share of the scale of a group of columns: both sides compute in
+/// double, and the largest difference, from conversions of the attitude and from cancellation in the rate error, is some 1e-12.
+inline constexpr std::size_t golden_rows = 60;
+inline constexpr double golden_tolerance = 1e-9;
+
+/// Checks a vector of this sample against the row.
+inline void expect_row(const Golden& golden, const char* name, std::size_t k, const std::vector<double>& ours) {
+  const std::vector<double> theirs = golden.vector(name, k);
+  ASSERT_EQ(theirs.size(), ours.size()) << name;
+  for (std::size_t i = 0; i < ours.size(); ++i)
+    EXPECT_NEAR(ours[i], theirs[i], golden_tolerance * golden.scale(name, golden_rows))
+        << name << "_" << i << ", row " << k;
+}
+
+inline std::vector<double> values(const auto& u) { return {u.data(), u.data() + u.size()}; }
 
 }  // namespace gyrostat::test

@@ -6,11 +6,14 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import settings
+from numpy.typing import NDArray
 
 import gyrostat as gs
 
@@ -39,6 +42,19 @@ def scenario() -> gs.Scenario:
 def result(scenario: gs.Scenario) -> gs.Result:
     """What flying it gives."""
     return scenario.run()
+
+
+@pytest.fixture(scope="session")
+def columns_of() -> Callable[[str], dict[str, NDArray[np.float64]]]:
+    """Columns by name of a file of ``tests/golden``, named without its ending."""
+
+    def read(name: str) -> dict[str, NDArray[np.float64]]:
+        text = (Path(__file__).parents[1] / "golden" / f"{name}.csv").read_text()
+        lines = [line for line in text.splitlines() if not line.startswith("#")]
+        rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+        return dict(zip(lines[0].split(","), rows.T, strict=True))
+
+    return read
 
 
 @pytest.fixture(scope="module")

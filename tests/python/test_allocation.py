@@ -357,6 +357,21 @@ def test_a_scenario_is_infeasible_when_its_faults_leave_a_plane() -> None:
     assert found.value == pytest.approx(0.0, abs=1e-12)
 
 
+def test_the_worst_moment_of_a_slow_fade_is_found() -> None:
+    """A dip to 20 % of 30 ms within a fade of 60 s: one state in two thousand."""
+    dip = 35.005
+    fade = gs.waveforms.Table(
+        times=[0.0, dip, dip + 1e-3, dip + 0.03, dip + 0.031, 60.0], values=[1.0, 0.6, 0.2, 0.2, 0.6, 0.5]
+    )
+    scenario = gs.Scenario.load("wheel2_degraded").replace(
+        duration=60.0, faults=[gs.faults.LossOfEffectiveness(actuator=2, t_on=0.0, remaining=fade)]
+    )
+    sets = attainable_after_faults(scenario)
+    assert sets is not None
+    expected = allocation.attainable_set(PYRAMID, 0.2, effectiveness=[1, 1, 0.2, 1])
+    assert sets[1].in_every_direction == pytest.approx(expected.in_every_direction, rel=1e-9)
+
+
 def test_flown_scenarios_say_when_their_demand_is_out_of_reach() -> None:
     scenario = gs.Scenario.load("wheel2_degraded").replace(duration=60.0, initial={})
     calm, flown = (torque_findings(s, fly=True)[-1] for s in (scenario, scenario.replace(**{"vehicle.u_max": 0.002})))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from gyrostat import papers
 
-Array = NDArray[np.float64]
+Columns = Callable[[str], dict[str, NDArray[np.float64]]]
 
-GOLDEN = Path(__file__).parents[1] / "golden"
 CHANNELS = {
     "chi_a": "truth.euler",
     "chi_b": "truth.omega_BN_B",
@@ -25,16 +24,9 @@ CHANNELS = {
 }
 
 
-def read(name: str) -> dict[str, Array]:
-    """Columns of a file by name."""
-    lines = [line for line in (GOLDEN / f"{name}.csv").read_text().splitlines() if not line.startswith("#")]
-    rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
-    return dict(zip(lines[0].split(","), rows.T, strict=True))
-
-
 @pytest.mark.parametrize("case", ["T2", "T5"])
-def test_the_closed_loop_gives_the_reference_rows(case: str) -> None:
-    golden = read(f"cao2023_{case}")
+def test_the_closed_loop_gives_the_reference_rows(case: str, columns_of: Columns) -> None:
+    golden = columns_of(f"cao2023_{case}")
     scenario = papers.load("cao2023").cases[case].scenario
     assert scenario.resolve()["integrator"] == {"type": "rk4", "substeps": 2}
     columns = [c for c in golden if c != "t"]

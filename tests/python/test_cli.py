@@ -170,18 +170,21 @@ def test_a_run_that_ends_early_is_saved_up_to_there_with_status_3(tmp_path: Path
 
 
 def test_check_says_whether_the_compensation_is_stable() -> None:
-    checked = printed("check", "wheel2_degraded", "--json")
-    assert all(row["ok"] for row in checked["checks"])
-    margin = checked["compensation"]
+    def margin(*options: str, status: int = 0) -> dict[str, Any]:
+        done = gyrostat("check", "wheel2_degraded", *options, "--json")
+        assert done.returncode == status, done.stderr
+        return next(f for f in json.loads(done.stdout)["design"] if f["name"] == "compensation")
+
     # wheel 2 of the pyramid at 40 %: smallest eigenvalue of D E D+ is 1 - 0.6 * 3 / 4
-    assert margin["lowest"] == pytest.approx(0.55, abs=1e-12)
-    assert margin["highest"] == pytest.approx(1.0, abs=1e-12)
-    assert margin["verdict"] in gyrostat("check", "wheel2_degraded").stdout
+    assert margin()["value"] == pytest.approx(0.55, abs=1e-12)
+    assert margin()["text"] in gyrostat("check", "wheel2_degraded").stdout
     gains = ["--set", "observer.lambda1=1", "--set", "observer.lambda2=0.6"]
-    for span, verdict in ((("0.3", "1"), "stable"), (("0.05", "1"), "unproven"), (("0.05", "0.1"), "unstable")):
-        found = printed("check", "wheel2_degraded", *gains, "--effectiveness", *span, "--json")["compensation"]
-        assert found["verdict"] == verdict
-        assert found["critical"] == pytest.approx(0.6 / (1 + 0.6**0.5) ** 2, rel=1e-12)
+    for span, ok, word in ((("0.3", "1"), True, "stable"), (("0.05", "1"), None, "unproven")):
+        found = margin(*gains, "--effectiveness", *span)
+        assert found["ok"] is ok
+        assert found["text"].startswith(word)
+        assert found["limit"] == pytest.approx(0.6 / (1 + 0.6**0.5) ** 2, rel=1e-12)
+    assert margin(*gains, "--effectiveness", "0.05", "0.1", status=1)["ok"] is False
 
 
 def test_the_schema_accepts_what_runs_and_refuses_typing_errors(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 import gyrostat as gs
 from gyrostat import papers
 
-Array = NDArray[np.float64]
+Columns = Callable[[str], dict[str, NDArray[np.float64]]]
 
-GOLDEN = Path(__file__).parents[1] / "golden"
 CHANNELS = {
     "rho": "truth.mrp",
     "omega": "truth.omega_BN_B",
@@ -32,16 +31,9 @@ CASES = {
 }
 
 
-def read(name: str) -> dict[str, Array]:
-    """Columns of a file by name."""
-    lines = [line for line in (GOLDEN / f"{name}.csv").read_text().splitlines() if not line.startswith("#")]
-    rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
-    return dict(zip(lines[0].split(","), rows.T, strict=True))
-
-
 @pytest.mark.parametrize("name", CASES)
-def test_the_closed_loop_gives_the_reference_rows(name: str) -> None:
-    golden = read(name)
+def test_the_closed_loop_gives_the_reference_rows(name: str, columns_of: Columns) -> None:
+    golden = columns_of(name)
     scenario = papers.load("li2018").cases[CASES[name]].scenario
     assert scenario.resolve()["integrator"] == {"type": "rk4", "substeps": 1}
     columns = [c for c in golden if c != "t"]

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tomllib
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 import gyrostat as gs
 from gyrostat import papers
-from gyrostat.design import CHECKS, DESIGNS
+from gyrostat.design import CHECKS, DESIGNS, DesignReport
 from gyrostat.design.learning_loop import LearningLoop, settling
 from gyrostat.design.mixed_learning import (
     best_case,
@@ -64,8 +65,8 @@ COMPLIANT = design_observer(J, 1e-3, P1=88.2, sigma2=0.98, sigma1=0.02, theta1=0
 PROPER = design_observer(J, 1e-3, P1=1.0, sigma1=0.1, theta1=0.005, theta2=0.99).loop
 SETS = {
     "published, P1 = I": (table(), 1.0, (0.685, 80.0, 2.98e-4, -23.6, 2.6e-3), 0.994995),
-    "published, P1 = 81 I": (table(), 81.0, (0.685, None, 2.98e-4, -23.6, 2.6e-3), 0.994995),
-    "exchanged": (table(K2, K1), 1.0, (0.685, 3.29, 2.98e-4, 0.938, 2.6e-3), 0.998634),
+    "published, P1 = 81 I": (table(), 81.0, (0.685, 1.33e-5, 2.98e-4, -23.6, 2.6e-3), 0.994995),
+    "exchanged": (table(K2, K1), 1.0, (0.685, 3.31, 2.98e-4, 0.938, 2.6e-3), 0.998634),
     "P1 = I": (PROPER, 1.0, (8.46e-3, 0.0, 2.98e-4, 0.996, 2.6e-3), 0.999281),
     "compliant": (COMPLIANT, 88.2, (0.746, 0.0, 2.98e-4, 0.0154, 2.6e-3), 0.994985),
     "six steps": (design_observer(J, 1e-3).loop, 81.0, (0.685, 0.0, 3e-4, 3e-4, 2.4e-3), 0.994984),
@@ -77,8 +78,7 @@ def test_margins_and_radius_of_the_known_sets(name: str) -> None:
     loop, P1, expected, radius = SETS[name]
     margins = observer_margins(loop, P1, disturbance=DISTURBANCE)
     for value, wanted in zip(margins.values(), expected, strict=True):
-        if wanted is not None:
-            assert value == pytest.approx(wanted, rel=5e-3, abs=1e-12)
+        assert value == pytest.approx(wanted, rel=5e-3, abs=1e-12)
     assert loop.spectral_radius() == pytest.approx(radius, abs=1.1e-6)
     failing = {key for key, holds in conditions_hold(margins).items() if not holds}
     known = {"published, P1 = I": {"r12", "m14"}, "published, P1 = 81 I": {"m14"}, "exchanged": {"r12"}}
@@ -87,8 +87,7 @@ def test_margins_and_radius_of_the_known_sets(name: str) -> None:
 
 def test_the_residual_of_the_published_gains_is_the_rounding_of_the_table() -> None:
     residual = observer_margins(table(), 81.0)["r12"]
-    assert residual == pytest.approx(1.87e-5, rel=0.01)
-    assert residual < 3 * 5e-5 / 4.3, "half a unit of the last digit in every entry"
+    assert residual < 3 * 5e-5 * 0.9 / np.linalg.norm(81.0 * np.linalg.inv(J)), "half a unit in every of nine entries"
 
 
 def test_the_design_values_of_the_defaults() -> None:
@@ -213,6 +212,44 @@ def test_an_outlier_reaches_the_learnt_torque_through_the_shares() -> None:
     assert 0.98 < mixed / repetitive < 1.0
 
 
+def flown_settling(report: DesignReport, options: dict[str, Any]) -> float:
+    """Settling time of the learnt torque in the simulator, over the wanted one.
+
+    From rest, the fault on every axis and a constant disturbance at its bound from the start; the gains as they are
+    pasted into a scenario. Settled: within 2 % of the fault of where the closed form says that it ends.
+    """
+    fault, disturbance, wanted, dt = (options[k] for k in ("fault", "disturbance", "settling_time", "dt"))
+    signs = np.array([1.0, -1.0, 1.0])
+    scenario = gs.Scenario(
+        vehicle=gs.Vehicle(J_B=options["J_B"], D_B=np.eye(3).tolist()),
+        observer=report.components["observer"],
+        controller=report.components["controller"],
+        allocator="pseudo_inverse",
+        faults=[gs.faults.Bias(actuator=i, torque=fault) for i in range(3)],
+        disturbances=[gs.disturbances.Constant(torque_B=(disturbance * signs).tolist())],
+        integrator="rk4",
+        duration=round(4.0 * wanted / dt) * dt,
+        dt=dt,
+    )
+    result = scenario.run(channels=["estimate.d_B"])
+    o = report.components["observer"]
+    loop = LearningLoop(
+        np.array(scenario.resolve()["vehicle"]["J_B"]), dt, np.array(o["K1"]), np.array(o["K2"]),
+        o["sigma2"], o["sigma1"], o["theta2"], o["delay"], o["theta1"], o["width"],
+    )  # fmt: skip
+    _, final = loop.equilibrium(fault + disturbance * signs)
+    assert np.abs(final - fault).max() <= 2.05 * disturbance + 0.01 * fault, "disturbance, theta1 and the leak"
+    return settling(result["estimate.d_B"], final, 0.02 * fault, dt) / wanted
+
+
+def assert_usable(report: DesignReport) -> None:
+    """Every margin positive, Schur margin included, and the trial run in time."""
+    assert report.ok, [f.text for f in report.findings if f.ok is False]
+    named = [f for f in report.findings if f.name.startswith("m") or f.name == "schur"]
+    assert len(named) >= 8
+    assert all(f.value is not None and f.value > 0.0 for f in named)
+
+
 @pytest.mark.parametrize(
     ("inertia", "dt", "wanted", "disturbance", "fault"),
     [
@@ -225,28 +262,52 @@ def test_an_outlier_reaches_the_learnt_torque_through_the_shares() -> None:
 def test_a_designed_set_holds_everywhere_and_settles_when_flown(
     inertia: Any, dt: float, wanted: float, disturbance: float, fault: float
 ) -> None:
-    design = DESIGNS["mixed_learning"]
     options = {"J_B": inertia, "dt": dt, "settling_time": wanted, "disturbance": disturbance, "fault": fault}
+    design = DESIGNS["mixed_learning"]
     report = design.run(design.options(**options))
-    assert report.ok, [f.text for f in report.findings if f.ok is False]
-    named = {f.name: f for f in report.findings}
-    assert named["schur"].value is not None
-    assert named["schur"].value > 0.0
-    assert all(f.value is not None and f.value > 0.0 for f in report.findings if f.name.startswith("m"))
-    # flown: faults from 0 on every axis, the body at rest, the gains as they are pasted into a scenario
-    scenario = gs.Scenario(
-        vehicle=gs.Vehicle(J_B=inertia, D_B=np.eye(3).tolist()),
-        observer=report.components["observer"],
-        controller=report.components["controller"],
-        allocator="pseudo_inverse",
-        faults=[gs.faults.Bias(actuator=i, torque=fault) for i in range(3)],
-        integrator="rk4",
-        duration=4.0 * wanted,
-        dt=dt,
-    )
-    result = scenario.run(channels=["estimate.d_B", "error.angle"])
-    learnt = result["estimate.d_B"]
-    assert settling(learnt, np.full(3, fault), 0.025 * fault + 1.1 * disturbance, dt) <= wanted
+    assert_usable(report)
+    assert flown_settling(report, options) <= 1.0
+
+
+def test_random_vehicles_get_gains_that_settle_when_flown_or_a_reason() -> None:
+    """Vehicles of 10 g m^2 to 3000 kg m^2, periods of 1 to 200 ms, disturbances of up to 30 % of the fault."""
+    rng = np.random.default_rng(5)
+    design = DESIGNS["mixed_learning"]
+    refused = 0
+    for _ in range(60):
+        size, dt = 10.0 ** rng.uniform(-2, 3.5), float(rng.choice([0.001, 0.005, 0.01, 0.05, 0.2]))
+        fault = size * 10.0 ** rng.uniform(-4, -2)
+        options = {
+            "J_B": random_inertia(rng, size).tolist(),
+            "dt": dt,
+            "settling_time": dt * round(10.0 ** rng.uniform(np.log10(60), 3)),
+            "fault": fault,
+            "disturbance": fault * float(rng.choice([0.0, 0.02, 0.1, 0.3])),
+        }
+        report = design.run(design.options(**options))
+        if not report.components:
+            refused += 1
+            assert [f.name for f in report.findings] == ["turn"]
+            continue
+        assert_usable(report)
+        assert flown_settling(report, options) <= 1.0
+    assert 0 < refused < 15
+
+
+def test_the_printed_tables_fly_when_pasted_into_a_scenario() -> None:
+    code, text, _ = command("design", "mixed_learning", "ftc_4rw", "--set", "settling_time=5", "--set", "fault=0.02")
+    assert code == 0
+    tables = tomllib.loads(text[text.index("[observer]") :])
+    assert set(tables) == {"observer", "controller"}
+    base = gs.Scenario.load("ftc_4rw")
+    fault = gs.faults.Bias(actuator=1, torque=0.02, t_on=150.0)
+    flown = base.replace(**tables, faults=[fault], duration=180.0).run(channels=["error.angle", "estimate.d_B"])
+    angle = flown["error.angle"]
+    # the default pointing time is 100 s, counted from when the surface is reached
+    assert angle[flown.t >= 115.0].max() < 0.02 * angle[0]
+    added = flown["estimate.d_B"][flown.t > 155.0] - flown["estimate.d_B"][flown.t < 150.0][-1]
+    torque = 0.02 * np.array(base.resolve()["vehicle"]["D_B"])[:, 1]
+    np.testing.assert_allclose(added, np.broadcast_to(torque, added.shape), atol=0.02 * 0.02)
 
 
 def test_what_cannot_be_designed_is_said() -> None:
@@ -255,11 +316,24 @@ def test_what_cannot_be_designed_is_said() -> None:
     assert not slow.ok
     assert slow.components == {}
     assert "60 periods" in slow.findings[0].text
+    far = design.run(design.options(J_B=[1.0, 1.0, 1.0], dt=0.1, settling_time=30.0, fault=0.1))
+    assert not far.ok
+    assert "turns the body by 3.7 rad before it is learnt" in far.findings[0].text
     loud = design.run(design.options(J_B=[1.0, 1.0, 1.0], dt=0.01, disturbance=0.06, fault=0.1))
     assert not loud.ok
     assert "cannot be told from" in loud.findings[0].text
     with pytest.raises(gs.InputError, match="positive definite"):
         design_observer([[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]], 1e-3)
+    with pytest.raises(gs.InputError, match="not 2 x 2"):
+        design.run(design.options(J_B=[[1.0, 0.0], [0.0, 1.0]], dt=0.1))
+
+
+def test_the_conditions_do_not_see_the_period_and_the_schur_margin_does() -> None:
+    """The theorem is continuous: its conditions hold for gains that a sampled loop cannot bear."""
+    design = design_observer(J, 1e-3, P1=2e6, disturbance=1e-3)
+    assert all(conditions_hold(design.margins).values())
+    assert design.loop.spectral_radius() > 1.0
+    assert not design.holds
 
 
 def test_check_prints_every_margin_and_flags_the_published_gains() -> None:
@@ -283,6 +357,8 @@ def test_an_unstable_gain_set_is_refused_with_its_number_and_can_be_flown_on_req
         refused.run()
     assert table(keep=1.0).spectral_radius() == pytest.approx(1.0000075836, abs=1e-9)
     assert table(keep=1.0, now=1.0, before=0.0).spectral_radius() == pytest.approx(0.9999947910, abs=1e-9)
+    assert table(keep=1.0, now=0.957, before=0.043).spectral_radius() < 1.0
+    assert table(keep=1.0, now=0.956, before=0.044).spectral_radius() > 1.0
     assert case.replace(duration=0.1).run(channels=["truth.q_NB"]).completed
 
 

@@ -2,15 +2,17 @@
 """Gain design, theorem margins and feasibility, in numpy: a module for each law or question.
 
 `CHECKS` is what ``gyrostat check`` asks besides the components themselves: each takes a scenario and returns its
-findings, none when the scenario does not fly what it knows about. `DESIGNS` is what ``gyrostat design`` offers.
+findings, none when the scenario does not fly what it knows about. `findings` is all of them, with the questions that
+take an option. `FIGURES` is what ``gyrostat check --out`` draws, by name. `DESIGNS` is what ``gyrostat design`` offers.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from gyrostat.design import (
     compensation,
     feasibility,
     feasible_time,
+    identifiability,
     iterative_learning,
     learning_disturbance,
     learning_effectiveness,
@@ -30,9 +32,11 @@ from gyrostat.design.compensation import (
 from gyrostat.design.feasibility import attainable_after_faults, torque_findings
 from gyrostat.design.finding import Finding
 from gyrostat.design.registry import Design, DesignReport
+from gyrostat.plots import Figure
 from gyrostat.scenario import Scenario
 
 CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
+    identifiability.findings,
     iterative_learning.findings,
     learning_disturbance.findings,
     learning_effectiveness.findings,
@@ -40,6 +44,34 @@ CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     preassigned_time.findings,
     predefined_time.findings,
 )
+
+FIGURES: tuple[Callable[[Scenario], dict[str, Figure]], ...] = (learning_disturbance.figures,)
+
+
+def findings(
+    scenario: Scenario,
+    *,
+    effectiveness: tuple[float, float] | None = None,
+    torque_B: Sequence[float] | None = None,
+    fly: bool = False,
+) -> list[Finding]:
+    """Everything that ``gyrostat check`` finds out about a scenario besides the components' own checks.
+
+    Parameters
+    ----------
+    scenario
+        What is looked at.
+    effectiveness
+        As in `compensation.findings`.
+    torque_B, fly
+        As in `torque_findings`.
+    """
+    return [
+        *(finding for look in CHECKS for finding in look(scenario)),
+        *compensation.findings(scenario, effectiveness),
+        *torque_findings(scenario, torque_B, fly=fly),
+    ]
+
 
 DESIGNS: dict[str, Design] = {
     "mixed_learning": mixed_learning_tool.DESIGN,
@@ -49,6 +81,7 @@ DESIGNS: dict[str, Design] = {
 __all__ = [
     "CHECKS",
     "DESIGNS",
+    "FIGURES",
     "CompensationMargin",
     "Design",
     "DesignReport",
@@ -60,6 +93,8 @@ __all__ = [
     "effectiveness_range",
     "feasibility",
     "feasible_time",
+    "findings",
+    "identifiability",
     "iterative_learning",
     "learning_disturbance",
     "learning_effectiveness",

@@ -23,6 +23,7 @@ import numpy as np
 
 from gyrostat import _core
 from gyrostat.components import Matrix
+from gyrostat.design.finding import Finding
 from gyrostat.design.idle import faults_alone
 from gyrostat.errors import InputError
 from gyrostat.scenario import Scenario
@@ -118,3 +119,19 @@ def scenario_margin(scenario: Scenario, effectiveness: tuple[float, float] | Non
         passed = faults_alone(scenario, ["truth.effectiveness"])
         effectiveness = effectiveness_range(scenario.vehicle.D_B, passed["truth.effectiveness"])
     return compensation_margin(observer["lambda1"], observer["lambda2"], effectiveness)
+
+
+def findings(scenario: Scenario, effectiveness: tuple[float, float] | None = None) -> list[Finding]:
+    """What ``gyrostat check`` says about the compensation: it fails where the whole range is below the limit.
+
+    Parameters
+    ----------
+    scenario, effectiveness
+        As in `scenario_margin`.
+    """
+    margin = scenario_margin(scenario, effectiveness)
+    if margin is None:
+        return []
+    ok = {"stable": True, "unproven": None, "unstable": False}[margin.verdict]
+    where = f"observer {scenario.resolve()['observer']['type']}"
+    return [Finding(where, "compensation", str(margin), ok, margin.lowest, margin.critical)]

@@ -35,9 +35,25 @@ def attainable_after_faults(scenario: Scenario) -> tuple[AttainableSet, Attainab
     healthy = attainable_set(D, up, lo)
     passed = faults_alone(scenario, ["truth.effectiveness", "truth.bias"])
     states = np.unique(np.hstack([passed["truth.effectiveness"], passed["truth.bias"]]), axis=0)
-    states = states[:: max(1, len(states) // 500)]  # a slow fade has thousands
-    sets = [attainable_set(D, up, lo, row[:n]).moved(D @ row[n:]) for row in states]
+    weakest = states[np.argsort(_least(healthy.normals, D, up, lo, states), kind="stable")[:100]]
+    sets = [attainable_set(D, up, lo, row[:n]).moved(D @ row[n:]) for row in weakest]
     return healthy, min(sets, key=lambda s: s.in_every_direction)
+
+
+def _least(normals: Floats, D: Floats, up: Floats, lo: Floats, states: Floats) -> Floats:
+    """Torque in every direction, N m, of each state (effectiveness, bias), (k, 2n).
+
+    Weaker actuators turn no face, so the healthy normals serve all states; exact unless an actuator is dead.
+    """
+    n = D.shape[1]
+    across = normals @ D
+    least = np.empty(len(states))
+    for at in range(0, len(states), 4096):
+        effectiveness, bias = states[at : at + 4096, :n], states[at : at + 4096, n:]
+        reach = effectiveness @ (np.abs(across) * ((up - lo) / 2)).T
+        centre = effectiveness @ (across * ((up + lo) / 2)).T + bias @ across.T
+        least[at : at + 4096] = (reach + centre).min(axis=1)
+    return least
 
 
 def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
@@ -81,11 +97,15 @@ def torque_findings(
     Returns
     -------
     list of Finding
-        Empty where a limit is infinite: everything is within reach.
+        Of a vehicle with an infinite limit only when the signs of its actuators leave out some direction.
     """
     sets = attainable_after_faults(scenario)
     if sets is None:
-        return []
+        D, lo, up = _actuators(scenario)
+        if attainable_set(D, np.clip(up, 0, 1), np.clip(lo, -1, 0)).in_every_direction > 1e-12:
+            return []
+        text = "no torque in some direction, whatever the limits: no positive commands of all actuators add up to zero"
+        return [Finding("torque", "every direction", text, False, 0.0, 0.0)]
     healthy, left = sets
     least, once = left.in_every_direction, healthy.in_every_direction
     nothing = 1e-12 * once  # what rounding leaves of a flat set

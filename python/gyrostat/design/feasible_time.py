@@ -72,13 +72,13 @@ def smallest_feasible_time(
 
 
 def feasible_time_finding(where: str, what: str, asked: float, search: Callable[[], FeasibleTime]) -> Finding:
-    """Hold the time that a scenario asks for, s, against the smallest feasible one."""
+    """Hold the time that a scenario asks for, s, against the smallest feasible one; `what` names it, and what acts."""
     try:
         least = search()
     except InputError as error:
         return Finding(where, "feasible_time", str(error), None)
     text = (
-        f"smallest {what} without saturation from this initial state, healthy: {least.time:.3g} s "
+        f"smallest {what} without saturation from this initial state: {least.time:.3g} s "
         f"({least.runs} simulated manoeuvres); set: {asked:.3g} s"
     )
     return Finding(where, "feasible_time", text, least.time <= asked, asked, least.time)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Learning observers of effectiveness: their sampled error loop, and what they cannot identify on a vehicle.
+"""Iterative learning observers of effectiveness: their sampled error loop, and a published condition.
 
 With full excitation the rate error and the effectiveness error of one axis obey (period h, delay of L samples)
 
@@ -11,9 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrostat.components import Component
 from gyrostat.design.finding import Finding
-from gyrostat.detection import identifiability
 from gyrostat.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -69,7 +67,7 @@ def theorem_slack(k1: float, k3: float, k4: float, k5: float = 0.0) -> float:
 
 
 def findings(scenario: Scenario) -> list[Finding]:
-    """Speed of the error loop at both ends of the gains, bias of the memory, and what is not identifiable."""
+    """Speed of the error loop at both ends of the gains, the published condition, bias of the memory."""
     resolved = scenario.resolve()
     observer = resolved.get("observer", {})
     name = observer.get("type")
@@ -94,30 +92,7 @@ def findings(scenario: Scenario) -> list[Finding]:
     bias = leak_bias(*first)
     if bias > 0.0:
         found.append(Finding(where, "memory", f"k3 below 1 pulls estimates towards 0 by {bias:.2g}", None, bias))
-    return [*found, _identifiability(scenario, where, observer)]
-
-
-def _identifiability(scenario: Scenario, where: str, observer: dict[str, object]) -> Finding:
-    D = np.asarray(scenario.vehicle.D_B, dtype=float)
-    frozen = {int(i) for i in observer.get("frozen", [])}  # type: ignore[attr-defined]
-    learned = [i for i in range(D.shape[1]) if i not in frozen]
-    commands, what = _commands(scenario, len(learned), learned)
-    report = identifiability(D[:, learned], commands, gate=float(observer["u_gate"]))  # type: ignore[arg-type]
-    names = f" (of actuators {', '.join(map(str, learned))})" if frozen else ""
-    complete = report.rank == len(learned)
-    return Finding(where, "identifiable", f"{what}: {report}{names}", True if complete else None, float(report.rank))
-
-
-def _commands(scenario: Scenario, count: int, learned: list[int]) -> tuple[Array, str]:
-    """The commands of an open loop; else one command of all actuators at once, which is the least that a loop gives."""
-    controller = scenario.controller
-    if isinstance(controller, Component) and controller.type == "open_loop":
-        quiet = scenario.replace(
-            observer="passthrough", detector="none", faults=[], sensors=[], shadows=[], record=None
-        )
-        flown = quiet.run(channels=["allocation.u"], every=max(1, round(quiet.duration / quiet.dt / 2000)))
-        return flown["allocation.u"][:, learned], "over the open-loop commands"
-    return np.full((1, count), 1e9), "by one command of all actuators"
+    return found
 
 
 __all__ = ["findings", "leak_bias", "learning_roots", "theorem_slack"]

@@ -9,11 +9,16 @@ and contains neither the known dynamics nor, with healthy actuators, the command
 **every** delay if and only if ``|k1| < 1``, ``M + (k2 + k3) / (1 - k1) > 0`` and ``M + k2 > |k1 M - k3|`` (strictly
 inside): ``fhat = (k2 + k3 q) / (1 - k1 q) e`` with ``|q| = 1`` must not meet ``-(M + j w)``. The theorem of Cao et al.
 2023 asks for much more: its conditions need ``k3 < 1`` and ``k2 < sqrt(M - 1)``, which the gains of that publication
-themselves do not satisfy.
+themselves do not satisfy. With the free numbers ``r_i``, ``psi`` of its proof and ``A = 1 + psi + 1 / (2 r7)`` they are
+
+    gamma1 = M - 1 - r7 / 2 - A (1 + 1/r1 + r4 + r5) k2^2 > 0
+    gamma2 = 1 - A (1 + r1 + r2 + r3) k1^2 >= 0
+    gamma3 = 1 - A (1 + 1/r2 + 1/r4 + r6) k3^2 >= 0
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gyrostat.design.finding import Finding
 from gyrostat.errors import InputError
+from gyrostat.plots import Figure
 from gyrostat.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -65,6 +71,44 @@ class LearningGains:
         """Largest value of a bound on its ``gamma3``: ``1 - k3^2``."""
         return 1.0 - self.k3**2
 
+    def theorem_largest_k2(self) -> float:
+        """Largest `k2`, 1/s, that the theorem admits with this `M`, `k1`, `k3`; nan when it admits none.
+
+        Only ``r1, r2, r4, r7`` cost anything, the others tend to zero; ``gamma2 = gamma3 = 0`` leaves two to search.
+        """
+        room = 1.0 / max(self.k1, 1e-6) ** 2 - 1.0
+        least, most = 0.5 / room, 2.0 * (self.M - 1.0)
+        if not least < most:
+            return float("nan")
+        r7 = np.linspace(least, most, 2001)[1:-1, None]
+        A = 1.0 + 0.5 / r7
+        budget = 1.0 / (A * max(self.k1, 1e-6) ** 2) - 1.0  # r1 + r2
+        r2 = budget * np.concatenate([np.geomspace(1e-9, 1e-2, 200), np.linspace(0.01, 1.0, 800)[1:-1]])
+        with np.errstate(divide="ignore"):
+            over_r4 = np.divide(1.0, A * self.k3**2) - 1.0 - 1.0 / r2
+        r4 = np.divide(1.0, over_r4, out=np.full_like(over_r4, np.nan), where=over_r4 > 0.0)
+        squared = (self.M - 1.0 - 0.5 * r7) / (A * (1.0 + 1.0 / (budget - r2) + r4))
+        return float(np.sqrt(np.nanmax(squared))) if np.isfinite(squared).any() else float("nan")
+
+    def growth(self, dt: float, *, held: bool = False) -> float:
+        """By how much `k2` and `k3` may grow before an unstable sampled observer, or delay; infinite beyond 1e6."""
+
+        def stable(factor: float) -> bool:
+            more = replace(self, k2=factor * self.k2, k3=factor * self.k3)
+            return more.stable_for_every_delay and more.spectral_radius(dt, held=held) < 1.0
+
+        low = 0.0
+        for high in np.geomspace(1e-3, 1e6, 181):
+            if not stable(high):
+                break
+            low = float(high)
+        else:
+            return float("inf")
+        while high > (1.0 + 1e-4) * low and high > 1e-3:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if stable(middle) else (low, middle)
+        return low
+
     def error_gain(self, omega: ArrayLike) -> Array:
         """``|f - fhat| / |f|`` for a sine of frequency `omega`, rad/s."""
         w = np.asarray(omega, dtype=float)
@@ -106,31 +150,68 @@ class LearningGains:
         return float(np.abs(np.roots(p)).max())
 
 
-def gain_region(gains: LearningGains, dt: float, k2: ArrayLike, k3: ArrayLike) -> tuple[Array, Array, Array]:
-    """Where in the plane of `k2`, `k3` the gains are stable for every delay, and also when sampled.
+def largest_stable_k3(gains: LearningGains, dt: float, k2: ArrayLike, *, held: bool = False) -> Array:
+    """Largest `k3`, 1/s, up to which every smaller one is stable when sampled, for each `k2`; nan when none is.
 
-    Parameters
-    ----------
-    gains
-        `M`, `k1` and `Tc` are taken from them.
-    dt
-        Sample period, s.
-    k2, k3
-        Learning gains, 1/s, the two axes of the plane.
-
-    Returns
-    -------
-    tuple
-        Delay margin, spectral radius of the rolling form, error gain at rest, each of shape (len(k3), len(k2)).
+    `M`, `k1` and `Tc` are those of `gains`. For every delay it is ``(1 + k1) M + k2``.
     """
-    k2s, k3s = np.atleast_1d(np.asarray(k2, dtype=float)), np.atleast_1d(np.asarray(k3, dtype=float))
-    margin, radius, rest = (np.empty((len(k3s), len(k2s))) for _ in range(3))
-    for i, b in enumerate(k3s):
-        for j, a in enumerate(k2s):
-            here = replace(gains, k2=float(a), k3=float(b))
-            margin[i, j], radius[i, j] = here.delay_margin, here.spectral_radius(dt)
-            rest[i, j] = here.error_gain(0.0)
-    return margin, radius, rest
+    tried = np.concatenate([[0.0], np.geomspace(1e-3, 1e4, 141)])
+
+    def stable(a: float, b: float) -> bool:
+        return replace(gains, k2=a, k3=b).spectral_radius(dt, held=held) < 1.0
+
+    found = np.full(np.size(k2), np.nan)
+    for i, a in enumerate(np.atleast_1d(np.asarray(k2, dtype=float))):
+        first = next((j for j, b in enumerate(tried) if not stable(a, b)), None)
+        if first == 0:
+            continue
+        low, high = (tried[-1], tried[-1]) if first is None else (tried[first - 1], tried[first])
+        while high - low > 1e-3 * high:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if stable(a, middle) else (low, middle)
+        found[i] = low
+    return found
+
+
+def response_figure(named: Mapping[str, LearningGains]) -> Figure:
+    """Share of a sine that the estimate misses, against its frequency, for some gains by name."""
+    title = "Share of the lumped acceleration that the estimate misses"
+    figure = Figure(title, size=(8.0, 4.2), along="frequency", unit="rad/s")
+    omega = np.geomspace(0.01, 2000.0, 6000)
+    figure.axes[0].set_ylabel("|f - fhat| / |f|", fontsize=9)
+    for name, gains in named.items():
+        figure.line(0, omega, gains.error_gain(omega), name, labels=[name])
+    rest = float(next(iter(named.values())).error_gain(0.0))
+    figure.level(0, rest, f"{100.0 * rest:.3g} % at rest")
+    figure.axes[0].set_xscale("log")
+    figure.axes[0].set_yscale("log")
+    figure.axes[0].legend(loc="upper left", fontsize=8, frameon=False)
+    return figure
+
+
+def region_figure(gains: LearningGains, dt: float) -> Figure:
+    """Largest `k3` against `k2`: stable for every delay, sampled in either form, and admitted by the theorem."""
+    title = f"Learning gains for M = {gains.M:g} /s, k1 = {gains.k1:g}, Tc = {1e3 * gains.Tc:g} ms: largest k3"
+    figure = Figure(title, size=(8.0, 4.6), along="k2", unit="1/s")
+    k2 = np.geomspace(0.05, 300.0, 60)
+    figure.axes[0].set_ylabel("k3 (1/s)", fontsize=9)
+    curves = {
+        "stable for every delay": (1.0 + gains.k1) * gains.M + k2,
+        f"sampled at {1e3 * dt:g} ms, rolling": largest_stable_k3(gains, dt, k2),
+        "sampled, held": largest_stable_k3(gains, dt, k2, held=True),
+    }
+    for name, k3 in curves.items():
+        figure.line(0, k2, k3, name, labels=[name])
+    admitted = np.geomspace(1e-3, 1.0, 60)
+    least = np.array([replace(gains, k3=float(b)).theorem_largest_k2() for b in admitted])
+    if np.isfinite(least).any():
+        kept = np.isfinite(least)
+        figure.line(0, least[kept], admitted[kept], "published theorem", labels=["published theorem"])
+    figure.axes[0].plot([gains.k2], [gains.k3], "k*", markersize=10, label="as flown")
+    figure.axes[0].set_xscale("log")
+    figure.axes[0].set_yscale("log")
+    figure.axes[0].legend(loc="lower right", fontsize=8, frameon=False)
+    return figure
 
 
 def scenario_gains(scenario: Scenario) -> LearningGains | None:
@@ -139,6 +220,16 @@ def scenario_gains(scenario: Scenario) -> LearningGains | None:
     if observer.get("type") != "learning_disturbance":
         return None
     return LearningGains(observer["M"], observer["k1"], observer["k2"], observer["k3"], observer["interval"])
+
+
+def figures(scenario: Scenario) -> dict[str, Figure]:
+    """What ``gyrostat check --out`` draws of a learning observer: its frequency response and the gain region."""
+    gains = scenario_gains(scenario)
+    if gains is None:
+        return {}
+    traditional = replace(gains, k2=gains.k2 + gains.k3, k3=0.0)
+    response = {"as flown": gains, "traditional, same k2 + k3": traditional, "traditional": replace(gains, k3=0.0)}
+    return {"response": response_figure(response), "gain_region": region_figure(gains, scenario.dt)}
 
 
 def findings(scenario: Scenario) -> list[Finding]:
@@ -151,6 +242,9 @@ def findings(scenario: Scenario) -> list[Finding]:
     held = observer["form"] == "held"
     radius = gains.spectral_radius(scenario.dt, held=held)
     limit = gains.largest_period()
+    growth = gains.growth(scenario.dt, held=held)
+    admitted = replace(gains, k3=0.0).theorem_largest_k2()
+    left = float(replace(gains, k2=admitted, k3=0.0).error_gain(0.0))
     rest = float(gains.error_gain(0.0))
     proven = gains.theorem_gamma1 > 0.0 and gains.theorem_gamma3 > 0.0
     return [
@@ -174,6 +268,15 @@ def findings(scenario: Scenario) -> list[Finding]:
         ),
         Finding(
             where,
+            "gain region",
+            f"k2 and k3 together may grow {growth:.3g} times before either condition fails; "
+            f"every delay asks for k3 < (1 + k1) M + k2 = {(1.0 + gains.k1) * gains.M + gains.k2:.4g} 1/s",
+            None,
+            growth,
+            1.0,
+        ),
+        Finding(
+            where,
             "error at rest",
             f"{100.0 * rest:.3g} % of a constant disturbance is not found: M (1 - k1) / (M (1 - k1) + k2 + k3)",
             None,
@@ -183,7 +286,8 @@ def findings(scenario: Scenario) -> list[Finding]:
             where,
             "published theorem",
             f"gamma1 <= M - 1 - k2^2 = {gains.theorem_gamma1:.4g}, gamma3 <= 1 - k3^2 = {gains.theorem_gamma3:.4g}, "
-            f"both would have to be > 0: {'not excluded' if proven else 'the theorem says nothing of these gains'}",
+            f"both would have to be > 0: {'not excluded' if proven else 'the theorem says nothing of these gains'}; "
+            f"it admits k2 up to {admitted:.3g} 1/s at k3 = 0, where {100.0 * left:.3g} % is not found",
             None,
             min(gains.theorem_gamma1, gains.theorem_gamma3),
             0.0,
@@ -191,4 +295,12 @@ def findings(scenario: Scenario) -> list[Finding]:
     ]
 
 
-__all__ = ["LearningGains", "findings", "gain_region", "scenario_gains"]
+__all__ = [
+    "LearningGains",
+    "figures",
+    "findings",
+    "largest_stable_k3",
+    "region_figure",
+    "response_figure",
+    "scenario_gains",
+]

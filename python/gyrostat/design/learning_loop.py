@@ -91,15 +91,28 @@ class LearningLoop:
         raise InputError("the loop has no equilibrium: K is not definite")
 
     def response(self, torque_B: Array, samples: int) -> Array:
-        """Learnt torque at every sample after a constant torque began, shape (samples, 3), N m."""
-        to_rate = self.dt * np.linalg.inv(self.J)
-        error, carried = np.zeros(3), [np.zeros(3)] * self.delay
-        out = np.empty((samples, 3))
+        """Learnt torque at every sample after a constant torque began, N m.
+
+        Parameters
+        ----------
+        torque_B
+            N m, shape (..., 3): one torque or many.
+
+        Returns
+        -------
+        NDArray
+            Shape (samples, ..., 3).
+        """
+        torque = np.asarray(torque_B, dtype=float)
+        to_rate, K_lin, K = self.dt * np.linalg.inv(self.J).T, self.K_lin.T, self.K.T
+        error, carried = np.zeros(torque.shape), [np.zeros(torque.shape)] * self.delay
+        out = np.empty((samples, *torque.shape))
         for k in range(samples):
-            learnt = carried[k % self.delay] + self.now * self.K @ error
-            carried[k % self.delay] = self.keep * learnt + self.before * self.K @ error
+            fresh = error @ K
+            learnt = carried[k % self.delay] + self.now * fresh
+            carried[k % self.delay] = self.keep * learnt + self.before * fresh
             layer = np.clip(error / self.width, -1.0, 1.0) if self.width > 0.0 else np.sign(error)
-            error += to_rate @ (torque_B - self.K_lin @ error - self.sign_gain * layer - learnt)
+            error = error + (torque - error @ K_lin - self.sign_gain * layer - learnt) @ to_rate
             out[k] = learnt
         return out
 

@@ -37,8 +37,17 @@ def _largest(matrix: Array) -> float:
     return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[-1])
 
 
-def _checked_inertia(J: Matrix) -> Array:
+def checked_inertia(J: Matrix) -> Array:
+    """The inertia as a matrix, kg m^2.
+
+    Raises
+    ------
+    InputError
+        It is not 3 x 3, symmetric and positive definite.
+    """
     inertia = as_matrix(J)
+    if inertia.shape != (3, 3):
+        raise InputError(f"the inertia must be 3 moments or a 3 x 3 matrix, not {' x '.join(map(str, inertia.shape))}")
     if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia)[0] <= 0.0:
         raise InputError("the inertia must be symmetric and positive definite")
     return inertia
@@ -52,7 +61,7 @@ class LearningDesign:
     P: Array
     """Weight of the error in the Lyapunov-Krasovskii functional."""
     margins: dict[str, float]
-    """By condition, positive where it holds; `r12` and `r34` are residuals of an equality."""
+    """By condition, positive where it holds; `r12` and `r34` are residuals of an equality, Frobenius."""
 
     @property
     def holds(self) -> bool:
@@ -95,7 +104,7 @@ def observer_margins(
     PJ = as_matrix(P1) @ np.linalg.inv(loop.J) * rate_unit
     return {
         "m11": -_largest(-2.0 * a1 * loop.now * K2.T @ K1 + (a1 * eta**2 + 1.0) * np.eye(3)),
-        "r12": float(np.linalg.norm(PJ - a1 * loop.now * K2.T, 2) / np.linalg.norm(PJ, 2)),
+        "r12": float(np.linalg.norm(PJ - a1 * loop.now * K2.T) / np.linalg.norm(PJ)),
         "m13": 1.0 - a1 * loop.keep**2 * (1.0 + e1 + e2),
         "m14": -_largest(a1 * loop.before**2 * (1.0 + 1.0 / e1 + e3) * K2.T @ K2 - np.eye(3)),
         "m15": loop.sign_gain - disturbance,
@@ -115,7 +124,7 @@ def sliding_margins(
     PJ, K3 = rate_unit * as_matrix(P2) @ np.linalg.inv(loop.J), rate_unit * loop.K
     return {
         "m33": -_largest(-2.0 * rate_unit * PJ @ loop.K_lin + np.eye(3)),
-        "r34": float(np.linalg.norm(PJ - a3 * loop.now * K3.T, 2) / np.linalg.norm(PJ, 2)),
+        "r34": float(np.linalg.norm(PJ - a3 * loop.now * K3.T) / np.linalg.norm(PJ)),
         "m35": 1.0 - a3 * (1.0 + e4 + e5) * loop.keep**2,
         "m36": -_largest(a3 * loop.before**2 * (1.0 + 1.0 / e4 + e6) * K3.T @ K3 - np.eye(3)),
     }
@@ -164,7 +173,7 @@ def design_observer(
     disturbance
         Bound of the torque that is not to be learnt, N m; theta1 becomes twice as much.
     """
-    inertia, a1, P = _checked_inertia(J), 1.0 + alpha0, as_matrix(P1)
+    inertia, a1, P = checked_inertia(J), 1.0 + alpha0, as_matrix(P1)
     PJ = P @ np.linalg.inv(inertia)
     K2 = PJ.T / (a1 * sigma2)
     K1 = 0.5 * (a1 * eta**2 + 1.0) * np.linalg.inv(PJ) / rate_unit**2 + K1_slack * np.eye(3)
@@ -200,7 +209,7 @@ def design_sliding_mode(
     rate_unit: float = 1.0,
 ) -> LearningDesign:
     """The six steps of the sliding mode. P2 is the inertia unless given: K3 is then a multiple of the unit matrix."""
-    inertia, a3 = _checked_inertia(J), 1.0 + alpha2
+    inertia, a3 = checked_inertia(J), 1.0 + alpha2
     P = inertia if P2 is None else as_matrix(P2)
     K3 = (P @ np.linalg.inv(inertia)).T / (a3 * sigma4)
     before = min(1.0 - sigma4, _past_share(margin, a3, eps, rate_unit * K3)) if sigma3 is None else sigma3

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from gyrostat.design.mixed_learning import (
     LearningDesign,
     as_matrix,
     best_case,
+    checked_inertia,
     conditions_hold,
     design_observer,
     design_sliding_mode,
@@ -29,6 +32,10 @@ from gyrostat.scenario import Scenario
 Array = NDArray[np.float64]
 Rows = list[list[float]]
 Positive = Annotated[float, Field(gt=0.0)]
+
+# rad. Measured with 400 random vehicles in the simulator: below, the settling times are those of the trial run to 12 %;
+# above 0.6 the gyroscopic torques can delay it beyond what was asked.
+_largest_turn = 0.25
 
 _meaning = {
     "m11": "(11) K1 damps the error",
@@ -54,7 +61,7 @@ class Wanted(Model):
     disturbance: Annotated[float, Field(ge=0.0, description="N m, bound of what is not to be learnt")] = 0.0
     fault: Annotated[float, Field(gt=0.0, description="N m, torque fault on each axis of the trial run")] = 0.1
     pointing_time: Annotated[
-        float | None, Field(gt=0.0, description="s, decay time of the attitude on the surface; default ten times")
+        float | None, Field(gt=0.0, description="s, of the attitude to 2 % on the surface; default 20 settling times")
     ] = None
 
 
@@ -104,12 +111,17 @@ def _steady(where: str, loop: LearningLoop, fault: float) -> Finding:
     return Finding(where, "steady_state", text, None, left)
 
 
+def _without_rounding(gain: Array) -> Rows:
+    """Entries that only rounding has left become zero."""
+    return np.where(np.abs(gain) < 1e-14 * np.abs(gain).max(), 0.0, gain).tolist()  # type: ignore[no-any-return]
+
+
 def observer_table(loop: LearningLoop) -> dict[str, Any]:
     """Parameters of the observer, as a scenario writes them."""
     return {
         "type": "mixed_learning",
-        "K1": loop.K_lin.tolist(),
-        "K2": loop.K.tolist(),
+        "K1": _without_rounding(loop.K_lin),
+        "K2": _without_rounding(loop.K),
         "sigma1": loop.before,
         "sigma2": loop.now,
         "theta1": loop.sign_gain,
@@ -127,7 +139,7 @@ def controller_table(loop: LearningLoop, delta: float) -> dict[str, Any]:
         "k_lin": float(loop.K_lin[0, 0]),
         "k_sgn": loop.sign_gain,
         "width": loop.width,
-        "K3": loop.K.tolist(),
+        "K3": _without_rounding(loop.K),
         "sigma3": loop.before,
         "sigma4": loop.now,
         "theta3": loop.keep,
@@ -168,19 +180,53 @@ def _report(observer: LearningDesign, controller: LearningDesign, delta: float, 
     return DesignReport(tables, findings)
 
 
-def design_for(options: Wanted) -> DesignReport:
-    """Gains that settle in the wanted time, by the six steps with P1 proportional to J J, or why there are none.
+def _observer_for(J: Array, dt: float, b: float, disturbance: float) -> LearningDesign:
+    """Six steps with P1 proportional to J J: a double pole at the bandwidth b on every axis.
 
-    Every axis gets a double pole at the bandwidth ``b = 7 / settling_time``:
-    ``K1 = 2 b J``, ``K2 = b^2 dt J / sigma2``.
-    theta2 leaves about half a per cent of a constant fault unlearnt. The rate unit of the conditions is what (11) and
-    (33) then need. The trial run is the sampled loop itself, with the fault on every axis.
+    ``K1 = 2 b J``, ``K2 = b^2 dt J / sigma2``. theta2 leaves about half a per cent of a constant fault unlearnt. The
+    rate unit of the conditions is what (11) then needs.
+    """
+    sigma2, eta, small = 0.9, 0.05, 0.0015 * b * dt
+    eps, margin = (small, small, 1.0), min(3e-4, small)
+    J_min = float(np.linalg.eigvalsh(J)[0])
+    P1 = b * b * dt * J @ J
+    unit = math.sqrt(0.5 * (1.0 + eta**2) / (b * b * dt * 2.0 * b)) / J_min
+    sign = 1.05 * disturbance
+    steps = design_observer(
+        J, dt, P1=P1, sigma2=sigma2, eta=eta, K1_slack=0.0, eps=eps, margin=margin,
+        disturbance=disturbance, theta1=sign, rate_unit=unit,
+    ).loop  # fmt: skip
+    loop = replace(
+        steps, K_lin=2.0 * b * J * (1.0 + 3e-4), before=min(steps.before, 0.1), width=sign / (0.5 * b * J_min)
+    )
+    margins = observer_margins(loop, P1, eta=eta, eps=eps, disturbance=disturbance, rate_unit=unit)
+    if disturbance == 0.0:
+        margins.pop("m15")  # nothing to dominate, so no sign term
+    return LearningDesign(loop, P1, margins)
+
+
+def _controller_for(J: Array, dt: float, f: float, b: float) -> LearningDesign:
+    """Six steps with P2 proportional to J J: reaching at 2 f, learning at f but no faster than the observer."""
+    k_lin = float(np.linalg.eigvalsh(J)[-1]) * 2.0 * f
+    p = min(f, b) ** 2 * dt
+    unit = 1.01 / math.sqrt(2.0 * p * float(np.linalg.eigvalsh(J)[0]) * k_lin)
+    return design_sliding_mode(
+        J, dt, P2=p * J @ J, sigma4=0.99, k_lin=k_lin, k_sgn=0.0, eps=(1e-3, 1e-3, 1.0), rate_unit=unit
+    )
+
+
+def design_for(options: Wanted) -> DesignReport:
+    """Gains that settle in the wanted time, by the six steps, or why there are none.
+
+    The bandwidth is ``7 / settling_time``, or as much more as the trial run then asks for: with a sign term the end of
+    the learning is slower. The trial run is the sampled loop itself, with the fault on every axis and the disturbance
+    in every combination of signs; it has to settle in 95 % of the wanted time.
     """
     where = "observer mixed_learning"
-    J, dt = as_matrix(np.asarray(options.J_B)), options.dt
+    J, dt = checked_inertia(np.asarray(options.J_B)), options.dt
     wanted = 300.0 * dt if options.settling_time is None else options.settling_time
     fastest = 60.0 * dt
-    if wanted < fastest:
+    if wanted < fastest * (1.0 - 1e-9):
         text = f"settling in {wanted:g} s needs 60 periods, {fastest:g} s: sample faster or allow more time"
         return DesignReport({}, [Finding(where, "period", text, False, wanted, fastest)])
     if options.disturbance >= 0.5 * options.fault:
@@ -189,52 +235,35 @@ def design_for(options: Wanted) -> DesignReport:
             "theta1 must exceed the disturbance, and stays unlearnt"
         )
         return DesignReport({}, [Finding(where, "disturbance", text, False, options.disturbance, 0.5 * options.fault)])
-    b, sigma2, eta, margin = 7.0 / wanted, 0.9, 0.05, 3e-4
-    small = 0.0015 * b * dt
-    eps = (small, small, 1.0)
-    J_min = float(np.linalg.eigvalsh(J)[0])
-    p = b * b * dt
-    unit = math.sqrt(0.5 * (1.0 + eta**2) / (p * 2.0 * b)) / J_min
-    given = design_observer(
-        J, dt, P1=p * J @ J, sigma2=sigma2, eta=eta, K1_slack=0.0, eps=eps, margin=min(margin, small),
-        disturbance=options.disturbance, theta1=1.05 * options.disturbance, rate_unit=unit,
-    )  # fmt: skip
-    width = 1.05 * options.disturbance / (0.5 * b * J_min) if options.disturbance > 0.0 else 0.0
-    first = given.loop
-    loop = LearningLoop(
-        J,
-        dt,
-        2.0 * b * J * (1.0 + margin),
-        first.K,
-        sigma2,
-        min(first.before, 0.1),
-        first.keep,
-        1,
-        first.sign_gain,
-        width,
-    )
-    margins = observer_margins(loop, p * J @ J, eta=eta, eps=eps, disturbance=options.disturbance, rate_unit=unit)
-    if options.disturbance == 0.0:
-        margins.pop("m15")  # nothing to dominate, so no sign term
-    observer = LearningDesign(loop, p * J @ J, margins)
-    slow = 10.0 * wanted if options.pointing_time is None else options.pointing_time
-    f = 2.0 / slow
-    k_lin = float(np.linalg.eigvalsh(J)[-1]) * 2.0 * f
-    p2 = min(f, b) ** 2 * dt
-    unit2 = 1.01 / math.sqrt(2.0 * p2 * J_min * k_lin)
-    controller = design_sliding_mode(
-        J, dt, P2=p2 * J @ J, sigma4=0.99, k_lin=k_lin, k_sgn=0.0, eps=(1e-3, 1e-3, 1.0), rate_unit=unit2
-    )
-    report = _report(observer, controller, 2.0 * f, options.fault)
-    return DesignReport(report.components, [*report.findings, _trial(where, loop, options.fault, wanted)])
+    turn = 0.5 * (options.fault + options.disturbance) / float(np.linalg.eigvalsh(J)[0]) * (2.0 * wanted / 7.0) ** 2
+    if turn > _largest_turn:
+        text = (
+            f"a fault of {options.fault:g} N m turns the body by {turn:.2g} rad before it is learnt, at most "
+            f"{_largest_turn:g} rad: allow less time, or the fast turn itself has to be learnt"
+        )
+        return DesignReport({}, [Finding(where, "turn", text, False, turn, _largest_turn)])
+    for haste in (1.0, 1.1, 1.2, 1.3, 1.45, 1.6):
+        b = 7.0 * haste / wanted
+        observer = _observer_for(J, dt, b, options.disturbance)
+        trial = _trial(where, observer.loop, options, wanted)
+        if trial.value is not None and trial.value <= 0.95 * wanted:
+            break
+    f = 4.0 / (20.0 * wanted if options.pointing_time is None else options.pointing_time)
+    report = _report(observer, _controller_for(J, dt, f, b), 2.0 * f, options.fault)
+    return DesignReport(report.components, [*report.findings, trial])
 
 
-def _trial(where: str, loop: LearningLoop, fault: float, wanted: float) -> Finding:
-    push = np.full(3, fault)
-    _, final = loop.equilibrium(push)
-    found = settling(loop.response(push, math.ceil(4.0 * wanted / loop.dt)), final, 0.02 * fault, loop.dt)
-    text = f"trial run under {fault:g} N m on each axis: settled to 2 % in {found:.3g} s, asked {wanted:g} s"
-    return Finding(where, "settling", text, found <= wanted, found, wanted)
+def _trial(where: str, loop: LearningLoop, options: Wanted, wanted: float) -> Finding:
+    """The slowest of the runs under the fault and the disturbance in every combination of signs."""
+    fault, disturbance = options.fault, options.disturbance
+    signs = np.array(list(itertools.product((1.0, -1.0), repeat=3))) if disturbance > 0.0 else np.zeros((1, 3))
+    pushes = fault + disturbance * signs
+    runs = loop.response(pushes, math.ceil(2.0 * wanted / loop.dt))
+    times = [settling(runs[:, i], loop.equilibrium(push)[1], 0.02 * fault, loop.dt) for i, push in enumerate(pushes)]
+    found = float(np.max(times))  # nan when one does not settle
+    settled = f"settled to 2 % in {found:.3g} s" if math.isfinite(found) else "not settled to 2 %"
+    text = f"trial run under {fault:g} N m on each axis: {settled}, asked {wanted:g} s"
+    return Finding(where, "settling", text, found <= wanted, found if math.isfinite(found) else None, wanted)
 
 
 def findings(scenario: Scenario) -> list[Finding]:

@@ -39,13 +39,20 @@ def quintic(t: ArrayLike, T: float, d0: float, d1: float, d2: float) -> Array:
 
 
 def saturates(scenario: Scenario, T: float) -> bool:
-    """Whether a run with preassigned time `T`, s, kept as it is, meets a limit of the command or ends early."""
-    run = scenario.replace(**{"controller.T": T, "controller.stretch": 0.0}).run(channels=["allocation.saturated"])
-    return not run.completed or bool(run["allocation.saturated"].any())
+    """Whether a run with preassigned time `T`, s, kept as it is, asks for more than the commands can give.
+
+    An actuator at a limit is none as long as the others make up for it: one-sided ones rest at theirs. A run that ends
+    early counts as one that asks for too much.
+    """
+    channels = ["demand.tau_B", "allocation.achieved_B"]
+    run = scenario.replace(**{"controller.T": T, "controller.stretch": 0.0}).run(channels=channels)
+    asked = run["demand.tau_B"]
+    short = np.linalg.norm(run["allocation.achieved_B"] - asked, axis=1)
+    return not run.completed or bool((short > 1e-6 * np.linalg.norm(asked, axis=1).max()).any())
 
 
 def smallest_feasible_time(scenario: Scenario, tolerance: float = 1e-3) -> FeasibleTime:
-    """The smallest preassigned time without saturation from a scenario's initial state.
+    """The smallest preassigned time whose demand the commands can give from a scenario's initial state.
 
     Parameters
     ----------

@@ -151,7 +151,9 @@ def findings(scenario: Scenario) -> list[Finding]:
             weakest,
         )
     )
-    found.append(feasible_time.feasible_time_finding(where, "T1 + T2", T, lambda: smallest_feasible_time(scenario)))
+    found.append(
+        feasible_time.feasible_time_finding(where, "T1 + T2 (healthy)", T, lambda: smallest_feasible_time(scenario))
+    )
     return found
 
 

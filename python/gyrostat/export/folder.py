@@ -43,7 +43,7 @@ def new_folder(path: Path) -> Iterator[Path]:
 
 def filled(template: str, values: Mapping[str, object]) -> str:
     """A file of `templates` with every ``@key@`` replaced; a key that is not known is a mistake of ours."""
-    text = (_templates / template).read_text(encoding="utf-8")
+    text = (_templates / f"{template}.in").read_text(encoding="utf-8")
     return _placeholder.sub(lambda match: str(values[match[1]]), text)
 
 

@@ -207,6 +207,51 @@ TEST(GuardClips, ACommandOutsideItsBoxAndItsRate) {
   EXPECT_LT((stack.last().achieved_B - torque<double>(setup.vehicle.D_B, before)).norm(), 1e-16);
 }
 
+/// Sets its flag at one sample, and returns a finite command all the same.
+template <Flag flag>
+struct FlaggingAllocator : PseudoInverse<double> {
+  using PseudoInverse::PseudoInverse;
+  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+                          const Detection<double>& det) noexcept {
+    Allocation<double> out = PseudoInverse::step(demand, x, det);
+    if (x.tick == trouble) out.status.set(flag);
+    return out;
+  }
+};
+
+struct FlaggingController : MrpFeedback<double> {
+  using MrpFeedback::MrpFeedback;
+  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
+                      const Allocation<double>& last) noexcept {
+    Demand<double> demand = MrpFeedback::step(x, det, ref, last);
+    if (x.tick == trouble) demand.status.set(Flag::breach);
+    return demand;
+  }
+};
+
+template <Flag flag, class C, class A>
+void expect_passed_on() {
+  auto stack = stack_of<Passthrough<double>, NoDetector<double>, C, A>(ftc_4rw<double>());
+  auto plain =
+      stack_of<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(ftc_4rw<double>());
+  for (Tick k = 0; k < 2 * trouble; ++k) {
+    const Allocation<double>& out = stack.step(wobble<double>(k, 4), {});
+    EXPECT_EQ(out.status.has(flag), k == trouble) << k;
+    EXPECT_EQ(out.u, plain.step(wobble<double>(k, 4), {}).u) << "a flag changes no command, sample " << k;
+  }
+}
+
+TEST(GuardFlags, WhatAnAllocatorReportsIsPassedOn) {
+  using C = MrpFeedback<double>;
+  expect_passed_on<Flag::bad_input, C, FlaggingAllocator<Flag::bad_input>>();
+  expect_passed_on<Flag::cap_reached, C, FlaggingAllocator<Flag::cap_reached>>();
+  expect_passed_on<Flag::rank_lost, C, FlaggingAllocator<Flag::rank_lost>>();
+}
+
+TEST(GuardFlags, WhatAControllerReportsIsPassedOn) {
+  expect_passed_on<Flag::breach, FlaggingController, PseudoInverse<double>>();
+}
+
 TEST(GuardProbe, IsAddedToThePreference) {
   struct Probing : NoDetector<double> {
     using NoDetector::NoDetector;

@@ -73,7 +73,7 @@ TEST(LearningLoop, TheStabilityTestAgreesWithTheRecursionItself) {
                  k5 = 30 * unit(random);
     const double end = grown(1 - h * k1, h, k3, k4, k5, L, 6000);
     if (end > 1e-6 && end < 1e6) continue;  // a root so near the circle that 6000 samples do not tell
-    const bool is_stable = learning_loop_is_stable(h, k1, k3, k4, k5, L);
+    const bool is_stable = effectiveness_loop_is_stable(h, k1, k3, k4, k5, L);
     EXPECT_EQ(is_stable, end < 1) << "k1 " << k1 << " k3 " << k3 << " k4 " << k4 << " k5 " << k5 << " L " << L;
     (is_stable ? stable : unstable) += 1;
   }

@@ -11,10 +11,6 @@
 namespace gyrostat::test {
 namespace {
 
-constexpr std::size_t rows = 60;
-// Both sides compute in double; the largest difference comes from q -> MRP and from cancellation in the rate error, some 1e-12.
-constexpr double tolerance = 1e-9;
-
 Measurement<double> recorded(const Golden& golden, std::size_t k) {
   const std::vector<double> rho = golden.vector("rho", k), omega = golden.vector("omega", k);
   Measurement<double> y;
@@ -25,20 +21,10 @@ Measurement<double> recorded(const Golden& golden, std::size_t k) {
   return y;
 }
 
-/// Checks a vector of this sample against the row, relative to the scale of the whole group of columns.
-void expect_row(const Golden& golden, const char* name, std::size_t k, const std::vector<double>& ours) {
-  const std::vector<double> theirs = golden.vector(name, k);
-  ASSERT_EQ(theirs.size(), ours.size()) << name;
-  for (std::size_t i = 0; i < ours.size(); ++i)
-    EXPECT_NEAR(ours[i], theirs[i], tolerance * golden.scale(name, rows)) << name << "_" << i << ", row " << k;
-}
-
-std::vector<double> values(const VecN<double>& u) { return {u.data(), u.data() + u.size()}; }
-
 void expect_published_stack(const char* file, double u_max) {
   const Golden golden(file);
   auto stack = li2018::stack(li2018::setup(u_max));
-  for (std::size_t k = 0; k < rows; ++k) {
+  for (std::size_t k = 0; k < golden_rows; ++k) {
     stack.step(recorded(golden, k), {});
     const auto observer = telemetry_of(stack.estimator.observer), controller = telemetry_of(stack.controller);
     expect_row(golden, "theta", k, observer.at("theta"));
@@ -58,7 +44,7 @@ TEST(Li2018Golden, Table2WithTheOutputLimited) {
 TEST(Li2018Golden, SaturatedPdTuned) {
   const Golden golden("li2018_table1_spd_tuned.csv");
   auto stack = li2018::pd_stack(li2018::setup<double>());
-  for (std::size_t k = 0; k < rows; ++k) {
+  for (std::size_t k = 0; k < golden_rows; ++k) {
     stack.step(recorded(golden, k), {});
     expect_row(golden, "v", k, values(stack.last().u));
   }

@@ -14,6 +14,17 @@ namespace {
 
 using Surface = RateAttitudeSurface<double>;
 
+template <class S>
+Estimate<S> some_estimate(Random& random) {
+  Measurement<S> y;
+  y.h_w = VecN<S>::Constant(4, S(0.3));
+  y.q_NB = quat_exp<S>(random.vector<S>(1));
+  y.omega_BN_B = random.vector<S>(0.1);
+  Estimate<S> x = Estimate<S>::healthy(y);
+  x.d_B = random.vector<S>(0.1);
+  return x;
+}
+
 TEST(RateAttitudeSurface, ItsTorqueKeepsTheSlidingVariableWhileTheReferenceMoves) {
   Random random(5);
   const auto setup = ftc_4rw<double>();
@@ -78,6 +89,11 @@ TEST(SlidingMode, TheNetworkStaysBoundedByItsForgetting) {
   EXPECT_TRUE(out.tau_B.allFinite());
 }
 
+template <class S>
+class MixedLearningLaws : public testing::Test {};
+using Scalars = testing::Types<float, double>;
+TYPED_TEST_SUITE(MixedLearningLaws, Scalars);
+
 template <class Law>
 class SlidingLaws : public testing::Test {};
 using Laws = testing::Types<SlidingMode<float>, SlidingMode<double>, MixedLearningSlidingMode<float>,
@@ -110,11 +126,7 @@ TYPED_TEST(SlidingLaws, RefuseAGainThatTheirPeriodDoesNotAllow) {
   const Setup<S> setup = ftc_4rw<S>();
   auto p = TypeParam::Params::defaults(setup);
   EXPECT_TRUE(TypeParam::check(setup, p).ok());
-  if constexpr (requires { p.linear; }) {
-    p.linear.k_lin = S(1e4);
-  } else {
-    p.k_lin = S(1e4);
-  }
+  p.k_lin = S(1e4);
   EXPECT_EQ(TypeParam::check(setup, p).code, Status<S>::Code::unstable);
 }
 
@@ -130,12 +142,7 @@ TYPED_TEST(SlidingLaws, FollowARelabellingAndReflectionOfTheAxes) {
   const Detection<S> det = Detection<S>::none(setup.vehicle);
   Random random(6);
   for (int k = 0; k < 200; ++k) {
-    Measurement<S> y;
-    y.h_w = VecN<S>::Constant(4, S(0.3));
-    y.q_NB = quat_exp<S>(random.vector<S>(1));
-    y.omega_BN_B = random.vector<S>(0.1);
-    Estimate<S> x = Estimate<S>::healthy(y);
-    x.d_B = random.vector<S>(0.1);
+    const Estimate<S> x = some_estimate<S>(random);
     Estimate<S> z = x;
     z.q_NB.vec() = R * x.q_NB.vec();
     z.omega_BN_B = R * x.omega_BN_B;
@@ -144,6 +151,23 @@ TYPED_TEST(SlidingLaws, FollowARelabellingAndReflectionOfTheAxes) {
     const Vec3<S> tau = k == 0 ? one.start(x, det, {}).tau_B : one.step(x, det, {}, last).tau_B;
     const Vec3<S> moved = k == 0 ? other.start(z, det, {}).tau_B : other.step(z, det, {}, last).tau_B;
     ASSERT_LT((moved - R * tau).norm(), sizeof(S) == 8 ? 1e-12 : 1e-4) << k;
+  }
+}
+
+TYPED_TEST(MixedLearningLaws, WithoutItsPowersTheTerminalLawIsTheLinearOne) {
+  using S = TypeParam;
+  const Setup<S> setup = ftc_4rw<S>();
+  auto p = MixedLearningTerminalSlidingMode<S>::Params::defaults(setup);
+  p.terminal = p.k_power = S(0);
+  MixedLearningSlidingMode<S> linear(setup, MixedLearningSlidingMode<S>::Params::defaults(setup));
+  MixedLearningTerminalSlidingMode<S> terminal(setup, p);
+  const Detection<S> det = Detection<S>::none(setup.vehicle);
+  const Allocation<S> last = Allocation<S>::idle(4);
+  Random random(7);
+  for (int k = 0; k < 50; ++k) {
+    const Estimate<S> x = some_estimate<S>(random);
+    const Vec3<S> tau = k == 0 ? linear.start(x, det, {}).tau_B : linear.step(x, det, {}, last).tau_B;
+    ASSERT_EQ(tau, (k == 0 ? terminal.start(x, det, {}) : terminal.step(x, det, {}, last)).tau_B) << k;
   }
 }
 

@@ -175,6 +175,52 @@ TEST(PreassignedTime, MovesItsTimeAwayOnlyWhileTheCommandFallsShort) {
   EXPECT_LT(std::abs(telemetry_of(law)["s"][0]), 1e-15);  // planned anew from where it is
 }
 
+TEST(PreassignedTime, MovesItsTimeAwayAfterItHasPassedToo) {
+  auto setup = ftc_4rw<double>();
+  auto p = gains(0.05);
+  p.stretch = 10;
+  Law law(setup, p);
+  Estimate<double> x;
+  x.h_w = VecN<double>::Zero(4);
+  x.q_NB = quat_from_euler<double>({0.1, 0, 0});
+  (void)law.start(x, {}, {});
+  Allocation<double> last = Allocation<double>::idle(4);
+  for (int k = 0; k < 10; ++k) (void)law.step(x, {}, {}, last);
+  EXPECT_EQ(telemetry_of(law)["T_left"][0], 0);
+  last.demand_B = Vec3<double>(1, 0, 0);
+  for (int k = 1; k <= 10; ++k) {
+    (void)law.step(x, {}, {}, last);
+    EXPECT_NEAR(telemetry_of(law)["T_left"][0], k == 1 ? 0.1 : 0.1 + 0.09 * (k - 1), 1e-12);
+  }
+}
+
+TEST(PreassignedTime, DampsATumbleThatFallsShortAndPlansAnewAfterIt) {
+  auto setup = ftc_4rw<double>();
+  auto p = gains(5);
+  p.stretch = 10;
+  Estimate<double> x;
+  x.h_w = VecN<double>::Zero(4);
+  x.q_NB = quat_from_euler<double>({0.5, 0.2, 0.1});
+  Allocation<double> last = Allocation<double>::idle(4);
+  last.demand_B = Vec3<double>(1, 0, 0);  // nothing is achieved
+  for (const double stretch : {10.0, 0.0}) {
+    p.stretch = stretch;
+    Law law(setup, p);
+    x.omega_BN_B.setZero();
+    (void)law.start(x, {}, {});
+    x.omega_BN_B = Vec3<double>(0.5, -0.3, 0.4);
+    const Vec3<double> tau_B = law.step(x, {}, {}, last).tau_B, damping_B = -p.c * (setup.vehicle.J_B * x.omega_BN_B);
+    EXPECT_EQ((tau_B - damping_B).norm() == 0, stretch > 0);  // as published without stretch
+    if (stretch == 0) continue;
+    x.omega_BN_B *= 1e-3;
+    last.demand_B.setZero();
+    (void)law.step(x, {}, {}, last);
+    EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5, 1e-12);
+    const std::vector<double> s = telemetry_of(law)["s"];
+    for (const double s_i : s) EXPECT_LT(std::abs(s_i), 1e-15);
+  }
+}
+
 TEST(PreassignedTime, RefusesWhatIsUnstableWhenHeld) {
   auto setup = printed(0.036);
   EXPECT_EQ(Law::check(setup, gains(5)).code, Status<double>::Code::unstable);  // 57 /s times 36 ms

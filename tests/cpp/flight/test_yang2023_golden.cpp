@@ -20,10 +20,7 @@ namespace {
 using Observer = AdaptiveIterativeLearningObserver<double>;
 using Detector = ThresholdDetector<double>;
 
-constexpr std::size_t rows = 60;
 constexpr double h = 0.01;
-// Both sides compute in double; the largest difference comes from cancellation in the rate error, some 1e-12.
-constexpr double tolerance = 1e-9;
 constexpr double degree = 0.017453292519943295;
 
 /// Three axes and a skew spare; 0.25 N m, 10 ms.
@@ -62,21 +59,11 @@ Measurement<double> recorded(const Golden& golden, std::size_t k) {
   return y;
 }
 
-/// Checks a vector of this sample against the row, relative to the scale of the whole group of columns.
-void expect_row(const Golden& golden, const char* name, std::size_t k, const std::vector<double>& ours) {
-  const std::vector<double> theirs = golden.vector(name, k);
-  ASSERT_EQ(theirs.size(), ours.size()) << name;
-  for (std::size_t i = 0; i < ours.size(); ++i)
-    EXPECT_NEAR(ours[i], theirs[i], tolerance * golden.scale(name, rows)) << name << "_" << i << ", row " << k;
-}
-
-std::vector<double> values(const auto& u) { return {u.data(), u.data() + u.size()}; }
-
 /// Flies the recorded measurements; `reference(k)` in order.
 template <class Stack, class Path>
 void expect_rows(const char* file, Stack stack, Path reference) {
   const Golden golden(file);
-  for (std::size_t k = 0; k < rows; ++k) {
+  for (std::size_t k = 0; k < golden_rows; ++k) {
     stack.step(recorded(golden, k), reference(k));
     const auto controller = telemetry_of(stack.controller);
     expect_row(golden, "e", k, values(stack.estimate().effectiveness));

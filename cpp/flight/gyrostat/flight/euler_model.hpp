@@ -15,6 +15,7 @@
 #pragma once
 #include <cmath>
 
+#include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/params.hpp"
 
 namespace gyrostat {
@@ -50,6 +51,19 @@ Vec3<S> known_torque(const Vehicle<S>& vehicle, const Vec3<S>& angles, const Vec
     return -omega_BN_B.cross(vehicle.J_B * omega_BN_B + torque<S>(vehicle.D_B, h_w));
   }
   return vehicle.J_B.diagonal().cwiseProduct(euler_model_acceleration(vehicle, angles, omega_BN_B));
+}
+
+/// A body's reference with its Euler side filled from attitude, rate and acceleration: angles'' = E^-1 (omega' - E' angles').
+/// At pitch +-90 deg there are no rates; they stay as they were.
+template <class S>
+Reference<S> with_euler(Reference<S> r) noexcept {
+  r.euler.angles = euler(r.q_NR);
+  if (std::abs(std::cos(r.euler.angles[1])) < S(1e-9)) return r;
+  const Mat3<S> E_inv = euler_rate_matrix(r.euler.angles).inverse();
+  r.euler.rates = E_inv * r.omega_RN_R;
+  r.euler_accelerations =
+      E_inv * (r.omegadot_RN_R - euler_rate_matrix_rate(r.euler.angles, r.euler.rates) * r.euler.rates);
+  return r;
 }
 
 /// The Euler-angle model is one of principal axes and ideal torquers.

@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "gyrostat/flight/delay_line.hpp"
+#include "gyrostat/flight/schur.hpp"
 
 namespace gyrostat {
 
@@ -21,24 +22,17 @@ struct LearningRecursion {
   double step;  ///< s, from one update of e to the next
   int delay;    ///< steps that the memory looks back, 1 ... max_delay
 
-  /// Whether every root of the characteristic polynomial lies inside the circle of this radius (Schur-Cohn).
+  /// Whether every root of the characteristic polynomial lies inside the circle of this radius.
   bool inside(double radius) const noexcept {
     const double a = std::exp(-M * step), b = (1 - a) / M;
-    int degree = delay + 1;
-    std::array<double, max_delay + 2> p{}, q{};
+    const int degree = delay + 1;
+    std::array<double, max_delay + 2> p{};
     // Coefficients of p(radius z) / radius^degree, lowest power first; a delay of one merges the middle two.
     p[0] += (a * k1 + b * k3) * std::pow(radius, -degree);
     p[1] -= k1 * std::pow(radius, 1 - degree);
     p[static_cast<std::size_t>(delay)] += (b * k2 - a) / radius;
     p[static_cast<std::size_t>(degree)] += 1;
-    for (; degree > 0; --degree) {
-      const auto n = static_cast<std::size_t>(degree);
-      const double reflection = p[0] / p[n];
-      if (!(std::abs(reflection) < 1)) return false;
-      for (std::size_t i = 0; i <= n; ++i) q[i] = p[i] - reflection * p[n - i];
-      for (std::size_t i = 0; i < n; ++i) p[i] = q[i + 1] / q[n];
-    }
-    return true;
+    return roots_inside_unit_circle(p, degree);
   }
 
   /// Largest modulus of the roots, to 1e-9, by bisection.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "gyrostat/flight/euler_model.hpp"
+
 namespace gyrostat::host {
 namespace {
 
@@ -31,18 +33,6 @@ Vec3<double> wave(const Vec3<double>& offset, const Vec3<double>& amplitude, con
   return out;
 }
 
-/// Fills the Euler side from attitude, rate and acceleration: angles'' = E^-1 (omega' - E' angles').
-void add_euler(Reference<double>& r) {
-  r.euler.angles = euler(r.q_NR);
-  const Mat3<double> E = euler_rate_matrix(r.euler.angles);
-  if (std::abs(std::cos(r.euler.angles[1])) < 1e-9)
-    return;  // no rates at gimbal lock; laws that need them stop the run
-  const Mat3<double> E_inv = E.inverse();
-  r.euler.rates = E_inv * r.omega_RN_R;
-  r.euler_accelerations =
-      E_inv * (r.omegadot_RN_R - euler_rate_matrix_rate(r.euler.angles, r.euler.rates) * r.euler.rates);
-}
-
 void evaluate_mrp(const MrpSine& p, double t, Reference<double>& r) {
   const Vec3<double> s = wave(p.offset, p.amplitude, p.frequency, p.phase, t, 0);
   const Vec3<double> sdot = wave(p.offset, p.amplitude, p.frequency, p.phase, t, 1);
@@ -51,7 +41,7 @@ void evaluate_mrp(const MrpSine& p, double t, Reference<double>& r) {
   r.q_NR = quat_from_mrp(s);
   r.omega_RN_R = G_inv * sdot;
   r.omegadot_RN_R = G_inv * (sddot - mrp_rate_matrix_rate(s, sdot) * r.omega_RN_R);
-  add_euler(r);
+  r = with_euler(r);
 }
 
 void evaluate_euler(const EulerSine& p, double t, Reference<double>& r) {
@@ -74,7 +64,7 @@ void evaluate_slew(const Slew& p, double t, Reference<double>& r) {
   r.q_NR = from * quat_exp<double>(angle * turn);
   r.omega_RN_R = rate * turn;
   r.omegadot_RN_R = acceleration * turn;
-  add_euler(r);
+  r = with_euler(r);
 }
 
 }  // namespace
@@ -86,7 +76,7 @@ ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& w
     const bool has_q = p->q_NR.w() != 1.0;
     if (int{has_mrp} + int{has_euler} + int{has_q} > 1) refuse(where, "give one of q_NR, mrp and euler");
     now_.q_NR = has_mrp ? quat_from_mrp(p->mrp) : has_euler ? quat_from_euler(p->euler) : p->q_NR;
-    add_euler(now_);
+    now_ = with_euler(now_);
     if (has_euler) now_.euler.angles = p->euler;
   } else if (const Steps* steps = std::get_if<Steps>(&spec_)) {
     const bool use_mrp = !steps->mrp.empty();
@@ -126,7 +116,7 @@ void ReferencePath::evaluate(Tick tick) {
     if (tick == 0 || current != now_.event) {
       now_.q_NR = stops_[current];
       now_.event = current;
-      add_euler(now_);
+      now_ = with_euler(now_);
     }
   } else if (const Slew* slew = std::get_if<Slew>(&spec_)) {
     evaluate_slew(*slew, t, now_);
@@ -147,7 +137,7 @@ void ReferencePath::evaluate(Tick tick) {
     }
     now_.omega_RN_R = omega(t, 0);
     now_.omegadot_RN_R = omega(t, 1);
-    add_euler(now_);
+    now_ = with_euler(now_);
   }
 }
 

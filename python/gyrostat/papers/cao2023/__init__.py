@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Li, Hu, Yang, Postolache 2018: finite-time disturbance observer and integral sliding mode under wheel failures."""
+"""Cao, Gong, Xue, Wen 2023: learning observer with memory and preassigned-time control in Euler angles."""

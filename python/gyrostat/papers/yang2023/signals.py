@@ -183,6 +183,12 @@ def recorded_allocation(
     return float(np.sqrt(np.mean(np.max(residuals, axis=0) ** 2)))
 
 
+def recorded_excess(result: Result, *, method: Method, h: float) -> float:
+    """Rms worst residual of one method on the recorded demands less that of the pseudo-inverse, N m."""
+    worst = recorded_allocation(result, method=method, quantity="worst", h=h)
+    return worst - recorded_allocation(result, method="pseudo_inverse", quantity="worst")
+
+
 def energy_ratio(result: Result, *, signal: Array, against: Result, other: Array) -> float:
     """Energy over that of another case."""
     return metrics.energy(result.t, signal) / metrics.energy(against.t, other)
@@ -209,6 +215,7 @@ METRICS = {
         time_to_band,
         detection,
         recorded_allocation,
+        recorded_excess,
         energy_ratio,
     )
 }

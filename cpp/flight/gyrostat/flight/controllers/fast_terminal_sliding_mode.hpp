@@ -33,14 +33,15 @@ class FastTerminalSlidingMode {
       field(p.s_core, Field{"s_core", "rad/s", 1e-12, 1e3, "below this the power of s is a polynomial"});
     }
 
-    /// With w the default natural frequency, a the usable torque: b1 = 1.3 w, b3 closes s at 8 w (0.1 / dt at most).
+    /// With w the default natural frequency, a the usable torque: b1 = 1.3 w, b3 closes s at 8 w (0.1 / dt at most), the terminal
+    /// part of s asks for 0.03 a at s = w.
     static Params defaults(const Setup<S>& setup) noexcept {
       const S w = default_stiffness(setup).frequency;
       Params p;
       p.b1 = S(1.3) * w;
       p.b2 = S(0.13) * w;
       p.b3 = std::min(S(8) * w, S(0.1) / setup.dt) * largest_inertia(setup.vehicle.J_B);
-      p.b4 = S(0.1) * usable_torque(setup.vehicle);
+      p.b4 = S(0.03) * usable_torque(setup.vehicle) / std::pow(w, p.r);
       p.s_core = S(0.05) * w;
       return p;
     }

@@ -66,7 +66,8 @@ class IntegralSlidingMode {
     }
 
     /// With a = usable torque and the rate r = min(0.05 / dt, 50 natural frequencies) of the linear part: all of a is spent at
-    /// s_lim = a / r, a tenth of it is the layer, the floor of the switching gain is a twentieth of a.
+    /// s_lim = a / r, a tenth of it is the layer, the floor of the switching gain is a twentieth of a. The gain moves by a tenth
+    /// of a r at most: zeta1 |s|^kappa has no unit of its own, so it is held at kappa = 0 and at s_lim with kappa = 1.
     static Params defaults(const Setup<S>& setup) noexcept {
       const S a = usable_torque(setup.vehicle);
       const S r = std::min(S(0.05) / setup.dt, S(50) * default_stiffness(setup).frequency);
@@ -78,7 +79,7 @@ class IntegralSlidingMode {
       p.K4.setConstant(S(0.5) * r * std::pow(p.s_lim, S(1) - p.gamma));
       p.mu = S(0.05) * a;
       p.gain_0.setConstant(S(0.075) * a);
-      p.zeta1 = S(0.1) * a * r;
+      p.zeta1 = S(0.1) * a * r / std::max(p.s_lim, S(1));
       p.zeta2 = S(0.1) * r * r;
       return p;
     }

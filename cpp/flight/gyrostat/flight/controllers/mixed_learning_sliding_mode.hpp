@@ -20,16 +20,13 @@ template <class S>
 class MixedLearningSlidingMode {
  public:
   using Scalar = S;
+  using Surface = typename RateAttitudeSurface<S>::Params;
   static constexpr const char* name = "mixed_learning_sliding_mode";
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;
   static constexpr bool regulates = true;
 
-  struct Params {
-    S delta = S(0.1);
-    S k_lin = S(3);
-    S k_sgn = S(0.01);
-    S width = S(0);
+  struct Params : SurfaceGains<S> {
     Mat3<S> K3 = Mat3<S>::Identity();
     S sigma3 = S(0.01);
     S sigma4 = S(0.99);
@@ -40,10 +37,7 @@ class MixedLearningSlidingMode {
 
     static constexpr void describe(auto& p, auto&& field) {
       constexpr double infinite = std::numeric_limits<double>::infinity();
-      field(p.delta, Field{"delta", "1/s", 1e-9, 1e9, "slope of the surface; the attitude decays at half of it"});
-      field(p.k_lin, Field{"k_lin", "N m s", 0, 1e9, "linear gain of s"});
-      field(p.k_sgn, Field{"k_sgn", "N m", 0, 1e9, "switching gain"});
-      field(p.width, Field{"width", "rad/s", 0, 1e9, "boundary layer of s; 0: sign"});
+      SurfaceGains<S>::describe(p, field);
       field(p.K3, Field{"K3", "N m s", -1e9, 1e9, "torque learnt per s"});
       field(p.sigma3, Field{"sigma3", "", -1, 1, "share of s `delay` samples ago"});
       field(p.sigma4, Field{"sigma4", "", 0, 1, "share of the present s"});
@@ -54,17 +48,12 @@ class MixedLearningSlidingMode {
     }
 
     MixedLearningGains<S> learning() const noexcept { return {K3, sigma4, sigma3, theta3, delay, clamp}; }
-    S slope() const noexcept { return width > S(0) ? k_sgn / width : S(0); }
 
-    /// `SlidingScales`; the learning has the bandwidth f of the linear part, keeps 0.999 and is clamped at the usable torque.
+    /// `SurfaceGains`; the learning has the bandwidth f of the linear part, keeps 0.999 and is clamped at the usable torque.
     static Params defaults(const Setup<S>& setup) noexcept {
-      const SlidingScales<S> scale(setup);
-      const S f = default_stiffness(setup).frequency;
       Params p;
-      p.delta = scale.delta;
-      p.k_lin = scale.k_lin;
-      p.k_sgn = scale.k_sgn;
-      p.width = scale.width;
+      static_cast<SurfaceGains<S>&>(p) = SurfaceGains<S>::defaults(setup);
+      const S f = default_stiffness(setup).frequency;
       p.K3 = f * f * setup.dt * setup.vehicle.J_B;
       p.theta3 = S(0.999);
       p.clamp = usable_torque(setup.vehicle);
@@ -79,7 +68,7 @@ class MixedLearningSlidingMode {
   }
 
   MixedLearningSlidingMode(const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle), params_(params), surface_({params.delta}), learning_(params.learning()) {}
+      : MixedLearningSlidingMode(setup, params, {params.delta}, {}) {}
 
   /// First sample: nothing learnt before.
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
@@ -96,12 +85,28 @@ class MixedLearningSlidingMode {
     log("learnt", learning_.learnt());
   }
 
+ protected:
+  /// Reaching torque k sig^power(s) of another law with this learning.
+  struct PowerReaching {
+    S k = S(0);
+    S power = S(1);
+  };
+
+  MixedLearningSlidingMode(const Setup<S>& setup, const Params& params, const Surface& surface,
+                           const PowerReaching& reaching) noexcept
+      : vehicle_(setup.vehicle),
+        params_(params),
+        surface_(surface),
+        power_reaching_(reaching),
+        learning_(params.learning()) {}
+
  private:
   Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
     const typename RateAttitudeSurface<S>::Value at = surface_(vehicle_, x, ref);
     s_ = at.s;
     Demand<S> out;
-    out.tau_B = at.equivalent_B - params_.k_lin * s_ - params_.k_sgn * layer(s_, params_.width) - learning_.update(s_);
+    out.tau_B = at.equivalent_B + params_.reaching(s_) - learning_.update(s_);
+    if (power_reaching_.k > S(0)) out.tau_B -= power_reaching_.k * sig(s_, power_reaching_.power);
     if (params_.compensate) out.tau_B -= x.d_B;
     return out;
   }
@@ -109,6 +114,7 @@ class MixedLearningSlidingMode {
   Vehicle<S> vehicle_;
   Params params_;
   RateAttitudeSurface<S> surface_;
+  PowerReaching power_reaching_;
   MixedLearning<S> learning_;
   Vec3<S> s_ = Vec3<S>::Zero();  ///< rad/s
 };

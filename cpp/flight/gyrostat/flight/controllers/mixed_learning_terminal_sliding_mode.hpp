@@ -6,10 +6,8 @@
 ///
 /// Ours: Wang, Jia, Yu 2023 name it as future work and give no law. Page: docs/components/mixed_learning_terminal_sliding_mode.md
 #pragma once
-#include <Eigen/LU>
-#include <limits>
+#include <cmath>
 
-#include "gyrostat/flight/chart.hpp"
 #include "gyrostat/flight/controllers/mixed_learning_sliding_mode.hpp"
 
 namespace gyrostat {
@@ -17,17 +15,12 @@ namespace gyrostat {
 /// Inside `core` the power of the surface is replaced by a smooth odd function: no singular torque, and the last part of the
 /// approach is exponential again, at (delta + (2 - power) terminal core^(power - 1)) / 2.
 template <class S>
-class MixedLearningTerminalSlidingMode {
+class MixedLearningTerminalSlidingMode : public MixedLearningSlidingMode<S> {
  public:
-  using Scalar = S;
   using Linear = MixedLearningSlidingMode<S>;
   static constexpr const char* name = "mixed_learning_terminal_sliding_mode";
-  static constexpr bool axiswise = true;
-  static constexpr bool switching = true;
-  static constexpr bool regulates = true;
 
-  struct Params {
-    typename Linear::Params linear;
+  struct Params : Linear::Params {
     S terminal = S(0.05);
     S power = S(0.7);
     S core = S(0.01);
@@ -35,7 +28,7 @@ class MixedLearningTerminalSlidingMode {
     S power_s = S(0.7);
 
     static constexpr void describe(auto& p, auto&& field) {
-      Linear::Params::describe(p.linear, field);
+      Linear::Params::describe(p, field);
       field(p.terminal, Field{"terminal", "rad/s", 0, 1e9, "gain of the terminal part of the surface"});
       field(p.power, Field{"power", "", 0.5, 1, "of the attitude error in the surface"});
       field(p.core, Field{"core", "", 1e-9, 1, "quaternion error below which the surface is smooth"});
@@ -43,60 +36,27 @@ class MixedLearningTerminalSlidingMode {
       field(p.power_s, Field{"power_s", "", 0.01, 1, "power of s"});
     }
 
-    typename RateAttitudeSurface<S>::Params surface() const noexcept { return {linear.delta, terminal, power, core}; }
+    typename Linear::Surface surface() const noexcept { return {this->delta, terminal, power, core}; }
 
-    /// Those of the linear law; the terminal part equals the linear one at an error of 0.1, and its core is a thousandth.
+    /// Those of the linear law; the terminal part equals the linear one at a quaternion error of 0.1.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
-      p.linear = Linear::Params::defaults(setup);
-      p.terminal = p.linear.delta * std::pow(S(0.1), S(1) - p.power);
-      p.k_power = p.linear.k_lin * std::pow(S(0.5) * p.linear.width, S(1) - p.power_s);
+      static_cast<typename Linear::Params&>(p) = Linear::Params::defaults(setup);
+      p.terminal = p.delta * std::pow(S(0.1), S(1) - p.power);
+      p.k_power = p.k_lin * std::pow(S(0.5) * p.width, S(1) - p.power_s);
       return p;
     }
   };
 
   /// That of the linear law, and the steepest part of the surface must be slow against the period.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
-    const S rate = S(0.5) * (p.linear.delta + (S(2) - p.power) * p.terminal * std::pow(p.core, p.power - S(1)));
-    return Linear::check(setup, p.linear) && Status<S>::require(rate * setup.dt < S(1), "decay rate of the core * dt",
-                                                                rate * setup.dt, S(1), "<", Status<S>::Code::unstable);
+    const S rate = S(0.5) * (p.delta + (S(2) - p.power) * p.terminal * std::pow(p.core, p.power - S(1)));
+    return Linear::check(setup, p) && Status<S>::require(rate * setup.dt < S(1), "decay rate of the core * dt",
+                                                         rate * setup.dt, S(1), "<", Status<S>::Code::unstable);
   }
 
   MixedLearningTerminalSlidingMode(const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle), params_(params), surface_(params.surface()), learning_(params.linear.learning()) {}
-
-  /// First sample: nothing learnt before.
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
-    learning_.reset();
-    return demand(x, ref);
-  }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
-    return demand(x, ref);
-  }
-
-  void telemetry(auto&& log) const {
-    log("s", s_);
-    log("learnt", learning_.learnt());
-  }
-
- private:
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    const typename Linear::Params& k = params_.linear;
-    const typename RateAttitudeSurface<S>::Value at = surface_(vehicle_, x, ref);
-    s_ = at.s;
-    Demand<S> out;
-    out.tau_B = at.equivalent_B - k.k_lin * s_ - params_.k_power * sig(s_, params_.power_s) -
-                k.k_sgn * layer(s_, k.width) - learning_.update(s_);
-    if (k.compensate) out.tau_B -= x.d_B;
-    return out;
-  }
-
-  Vehicle<S> vehicle_;
-  Params params_;
-  RateAttitudeSurface<S> surface_;
-  MixedLearning<S> learning_;
-  Vec3<S> s_ = Vec3<S>::Zero();  ///< rad/s
+      : Linear(setup, params, params.surface(), {params.k_power, params.power_s}) {}
 };
 
 }  // namespace gyrostat

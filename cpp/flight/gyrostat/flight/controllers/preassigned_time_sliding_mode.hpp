@@ -81,26 +81,32 @@ class PreassignedTimeSlidingMode {
   }
 
   PreassignedTimeSlidingMode(const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), negligible_(S(1e-3) * usable_torque(setup.vehicle)) {}
+      : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), torque_(usable_torque(setup.vehicle)) {}
 
   /// First sample: the path starts where the error is.
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& given) noexcept {
+    const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     plan(now, free_acceleration(now, x, ref), params_.T);
     event_ = ref.event;
+    tumbling_ = false;
     return demand(now, x, ref);
   }
 
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& given,
                                const Allocation<S>& last) noexcept {
     ++ticks_;
+    const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
-    const S left = path_.end() - elapsed();
+    if (tumbles(now, x, last)) {
+      event_ = ~ref.event;  // plan when it is over
+      return damping(now, x);
+    }
     if (ref.event != event_) {  // a new target: all of T again
       event_ = ref.event;
       plan(now, free_acceleration(now, x, ref), params_.T);
-    } else if (params_.stretch > S(0) && falls_short(last) && left > S(0)) {
-      plan(now, achieved_acceleration(now, x, ref, last), left + params_.stretch * dt_);
+    } else if (params_.stretch > S(0) && falls_short(last)) {  // after T too: a fault may come at any time
+      plan(now, achieved_acceleration(now, x, ref, last), left() + params_.stretch * dt_);
     }
     return demand(now, x, ref);
   }
@@ -108,7 +114,7 @@ class PreassignedTimeSlidingMode {
   void telemetry(auto&& log) const {
     log("s", s_);
     log("p", point_.p);
-    log("T_left", std::max(path_.end() - elapsed(), S(0)));
+    log("T_left", left());
   }
 
  private:
@@ -121,11 +127,32 @@ class PreassignedTimeSlidingMode {
 
   /// An actuator at its limit is no reason as long as the others make up for it, nor is rounding about zero.
   bool falls_short(const Allocation<S>& last) const noexcept {
-    return (last.achieved_B - last.demand_B).norm() > S(0.01) * last.demand_B.norm() + negligible_;
+    return (last.achieved_B - last.demand_B).norm() > S(0.01) * last.demand_B.norm() + S(1e-3) * torque_;
+  }
+
+  /// Once the command falls short: stopping takes more than a radian, or the gyroscopic torque is beyond the actuators.
+  /// Until both are down to a tenth.
+  bool tumbles(const Error& now, const Estimate<S>& x, const Allocation<S>& last) noexcept {
+    if (!on_body() || !(params_.stretch > S(0))) return false;
+    const S stopping = x.omega_BN_B.squaredNorm() * largest_inertia(vehicle_.J_B) / (S(2) * torque_);
+    const S excess = std::max(stopping, known(now, x).norm() / torque_);
+    tumbling_ = tumbling_ ? excess > S(0.1) : excess > S(1) && falls_short(last);
+    return tumbling_;
+  }
+
+  /// No path in these angles is fit for a tumble. Torque against the rate takes energy out even where it saturates.
+  Demand<S> damping(const Error& now, const Estimate<S>& x) const noexcept {
+    Demand<S> out;
+    out.tau_B = -params_.c * (vehicle_.J_B * x.omega_BN_B);
+    if (now.singular) out.status.set(Flag::singular);
+    return out;
   }
 
   bool on_body() const noexcept { return vehicle_.coordinates == Coordinates::body; }
+  /// On a body the reference is its quaternion and rates alone; what stands in its Euler side is not read.
+  Reference<S> in_angles(const Reference<S>& ref) const noexcept { return on_body() ? with_euler(ref) : ref; }
   S elapsed() const noexcept { return static_cast<S>(ticks_) * dt_; }
+  S left() const noexcept { return std::max(path_.end() - elapsed(), S(0)); }
 
   Error error(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
     Error now;
@@ -195,7 +222,8 @@ class PreassignedTimeSlidingMode {
   Vehicle<S> vehicle_;
   S dt_;
   Params params_;
-  S negligible_;  ///< N m
+  S torque_;  ///< N m, usable
+  bool tumbling_ = false;
   PreassignedPath<S> path_;
   PathPoint<S> point_;
   Vec3<S> s_ = Vec3<S>::Zero();  ///< rad/s

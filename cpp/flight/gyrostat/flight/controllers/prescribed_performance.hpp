@@ -56,8 +56,8 @@ class PrescribedPerformance {
             Switch{"as_printed", "published torque: gyroscopic sign reversed, no motion of the reference"});
     }
 
-    /// With w the default natural frequency, a the usable torque: b1 = 0.2 w, and a final width at which the loop is stable
-    /// when sampled, up to z_max.
+    /// With w the default natural frequency, a the usable torque: b1 = 0.2 w, 0.03 a of the terminal part at s = w, and a final
+    /// width at which the loop is stable when sampled, up to z_max.
     static Params defaults(const Setup<S>& setup) noexcept {
       const S w = default_stiffness(setup).frequency;
       Params p;
@@ -65,7 +65,7 @@ class PrescribedPerformance {
       p.rho_inf = std::max(S(0.005), S(5) * p.b1 * setup.dt);
       p.b2 = p.b1 / S(3);
       p.b3 = std::min(S(8) * w, S(0.1) / setup.dt) * largest_inertia(setup.vehicle.J_B);
-      p.b4 = S(0.1) * usable_torque(setup.vehicle);
+      p.b4 = S(0.03) * usable_torque(setup.vehicle) / std::pow(w, p.r);
       p.s_core = S(0.05) * w;
       p.tf_min = S(0.6) / w;
       return p;

@@ -52,21 +52,34 @@ class RateAttitudeSurface {
   Params p_;
 };
 
-/// Scales of default sliding laws: a = usable torque, f = natural frequency of the default stiffness, J = largest inertia.
+/// What every sliding mode on this surface has: slope of the surface, gains of reaching it, compensation.
 template <class S>
-struct SlidingScales {
-  S delta;  ///< 1/s, 1.4 f: the attitude decays at 0.7 f
-  S k_lin;  ///< N m s, J f
-  S k_sgn;  ///< N m, a / 20
-  S width;  ///< rad/s, k_sgn / k_lin
+struct SurfaceGains {
+  S delta = S(0.1);
+  S k_lin = S(3);
+  S k_sgn = S(0.01);
+  S width = S(0);
 
-  explicit SlidingScales(const Setup<S>& setup) noexcept {
-    const S f = default_stiffness(setup).frequency;
-    delta = S(1.4) * f;
-    k_lin = largest_inertia(setup.vehicle.J_B) * f;
-    k_sgn = S(0.05) * usable_torque(setup.vehicle);
-    width = k_sgn / k_lin;
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.delta, Field{"delta", "1/s", 1e-9, 1e9, "slope of the surface; the attitude decays at half of it"});
+    field(p.k_lin, Field{"k_lin", "N m s", 0, 1e9, "linear gain of s"});
+    field(p.k_sgn, Field{"k_sgn", "N m", 0, 1e9, "switching gain"});
+    field(p.width, Field{"width", "rad/s", 0, 1e9, "boundary layer of s; 0: sign"});
   }
+
+  /// a = usable torque, f = natural frequency of the default stiffness, J = largest inertia: the attitude decays at 0.7 f,
+  /// k_lin = J f, k_sgn = a / 20, and the layer ends where the linear torque is as large.
+  static SurfaceGains defaults(const Setup<S>& setup) noexcept {
+    const S f = default_stiffness(setup).frequency;
+    const S k_lin = largest_inertia(setup.vehicle.J_B) * f, k_sgn = S(0.05) * usable_torque(setup.vehicle);
+    return {S(1.4) * f, k_lin, k_sgn, k_sgn / k_lin};
+  }
+
+  /// N m s, added to k_lin inside the layer.
+  S slope() const noexcept { return width > S(0) ? k_sgn / width : S(0); }
+
+  /// N m, drives s to zero.
+  Vec3<S> reaching(const Vec3<S>& s) const noexcept { return -k_lin * s - k_sgn * layer(s, width); }
 };
 
 }  // namespace gyrostat

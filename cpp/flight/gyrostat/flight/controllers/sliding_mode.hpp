@@ -27,37 +27,24 @@ class SlidingMode {
   static constexpr bool regulates = true;
   static constexpr int nodes = 13;  ///< the origin, and one each way along each of the six inputs
 
-  struct Params {
-    S delta = S(0.1);
-    S k_lin = S(3);
-    S k_sgn = S(0.01);
-    S width = S(0);
+  struct Params : SurfaceGains<S> {
     bool compensate = false;
     S network_rate = S(0);
     S network_leak = S(0.05);
     S network_reach = S(0.5);
 
     static constexpr void describe(auto& p, auto&& field) {
-      field(p.delta, Field{"delta", "1/s", 1e-9, 1e9, "slope of the surface; the attitude decays at half of it"});
-      field(p.k_lin, Field{"k_lin", "N m s", 0, 1e9, "linear gain of s"});
-      field(p.k_sgn, Field{"k_sgn", "N m", 0, 1e9, "switching gain"});
-      field(p.width, Field{"width", "rad/s", 0, 1e9, "boundary layer of s; 0: sign"});
+      SurfaceGains<S>::describe(p, field);
       field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
       field(p.network_rate, Field{"network_rate", "N m/rad", 0, 1e9, "adaptation of the network; 0: none"});
       field(p.network_leak, Field{"network_leak", "rad/(N m s)", 0, 1e9, "forgetting, per |s|"});
       field(p.network_reach, Field{"network_reach", "", 1e-3, 1e3, "distance of the nodes, and their width"});
     }
 
-    S slope() const noexcept { return width > S(0) ? k_sgn / width : S(0); }
-
-    /// `SlidingScales`, no network.
+    /// `SurfaceGains`, no network.
     static Params defaults(const Setup<S>& setup) noexcept {
-      const SlidingScales<S> scale(setup);
       Params p;
-      p.delta = scale.delta;
-      p.k_lin = scale.k_lin;
-      p.k_sgn = scale.k_sgn;
-      p.width = scale.width;
+      static_cast<SurfaceGains<S>&>(p) = SurfaceGains<S>::defaults(setup);
       return p;
     }
   };
@@ -94,7 +81,7 @@ class SlidingMode {
     const typename RateAttitudeSurface<S>::Value at = surface_(vehicle_, x, ref);
     s_ = at.s;
     Demand<S> out;
-    out.tau_B = at.equivalent_B - params_.k_lin * s_ - params_.k_sgn * layer(s_, params_.width);
+    out.tau_B = at.equivalent_B + params_.reaching(s_);
     if (params_.network_rate > S(0)) out.tau_B -= network(x, ref);
     if (params_.compensate) out.tau_B -= x.d_B;
     return out;

@@ -72,8 +72,8 @@ class AdaptiveIterativeLearningObserver {
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
     const auto unstable = Status<S>::Code::unstable;
     const S extra = p.layer > S(0) ? p.k2_max / (p.layer * smallest_inertia(setup.vehicle.J_B)) : S(0);
-    const bool slow = learning_loop_is_stable(setup.dt, p.k1_0, p.k3, p.k4_0, p.k5, p.delay);
-    const bool fast = learning_loop_is_stable(setup.dt, p.k1_max + extra, p.k3, p.k4_max, p.k5, p.delay);
+    const bool slow = effectiveness_loop_is_stable(setup.dt, p.k1_0, p.k3, p.k4_0, p.k5, p.delay);
+    const bool fast = effectiveness_loop_is_stable(setup.dt, p.k1_max + extra, p.k3, p.k4_max, p.k5, p.delay);
     return needs_body_coordinates(setup) && Status<S>::require(p.k1_0 <= p.k1_max, "k1_0", p.k1_0, p.k1_max, "<=") &&
            Status<S>::require(p.k4_0 <= p.k4_max, "k4_0", p.k4_0, p.k4_max, "<=") &&
            Status<S>::require(p.k2_0 <= p.k2_max, "k2_0", p.k2_0, p.k2_max, "<=") &&

@@ -32,7 +32,7 @@ class AdaptiveSlidingMode {
     S k_rho = S(1);
     S rho_max = S(0.05);
     S dead_zone = S(2e-3);
-    S e_min = S(0.05);
+    S e_min = S(0.05);  ///< as weak as the pseudo-inverse uses: an actuator that is given up is never learnt again
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.gamma, Field{"gamma", "1/(N m rad)", 0, 1e12, "rate of adaptation"});

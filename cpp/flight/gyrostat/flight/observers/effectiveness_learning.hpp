@@ -15,6 +15,7 @@
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/delay_line.hpp"
 #include "gyrostat/flight/effectiveness_regression.hpp"
+#include "gyrostat/flight/schur.hpp"
 #include "gyrostat/flight/stiffness.hpp"
 
 namespace gyrostat {
@@ -67,24 +68,16 @@ struct EffectivenessLearningParams {
 ///   w~[k+1] = (1 - h k1) w~[k] + h g[k],   g[k+1] = k3 g[k+1-L] - k4 w~[k+1] - k5 w~[k+1-L]
 ///   z^(L+1) + (h k4 - 1 + h k1) z^L - k3 z + (1 - h k1) k3 + h k5
 ///
-/// has its roots inside the unit circle (Schur and Cohn's recursion).
+/// has its roots inside the unit circle.
 template <class S>
-bool learning_loop_is_stable(S h, S k1, S k3, S k4, S k5, int delay) noexcept {
-  std::array<S, max_delay + 2> p{}, q{};  // coefficients, the constant first
-  int degree = delay + 1;
+bool effectiveness_loop_is_stable(S h, S k1, S k3, S k4, S k5, int delay) noexcept {
+  std::array<S, max_delay + 2> p{};  // the constant first
   const S a = S(1) - h * k1;
   p[0] = a * k3 + h * k5;
   p[1] += -k3;
   p[static_cast<std::size_t>(delay)] += h * k4 - a;
-  p[static_cast<std::size_t>(degree)] = S(1);
-  for (; degree > 0; --degree) {
-    const auto n = static_cast<std::size_t>(degree);
-    const S ratio = p[0] / p[n];
-    if (!(std::abs(ratio) < S(1))) return false;
-    for (std::size_t i = 0; i < n; ++i) q[i] = p[i + 1] - ratio * p[n - 1 - i];
-    p = q;
-  }
-  return true;
+  p[static_cast<std::size_t>(delay + 1)] = S(1);
+  return roots_inside_unit_circle(p, delay + 1);
 }
 
 /// Rate observer and learning step; the gains come from outside, once a sample.

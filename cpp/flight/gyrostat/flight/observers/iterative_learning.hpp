@@ -38,7 +38,7 @@ class IterativeLearningObserver {
   };
 
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
-    const bool stable = learning_loop_is_stable(setup.dt, p.k1, p.k3, p.k4, p.k5, p.delay);
+    const bool stable = effectiveness_loop_is_stable(setup.dt, p.k1, p.k3, p.k4, p.k5, p.delay);
     return needs_body_coordinates(setup) &&
            Status<S>::require(stable, "learning loop (k1, k3, k4, k5, delay): roots inside the unit circle",
                               static_cast<S>(stable), S(1), "=", Status<S>::Code::unstable);

@@ -35,7 +35,7 @@ class LearningEffectiveness {
     S kappa = S(0.03);
     S u0 = S(0.3);
     S u_exc = S(0.3);
-    S e_min = S(0.05);
+    S e_min = S(0.05);  ///< as weak as the pseudo-inverse uses: an actuator that is given up is never learnt again
     Vec3<S> M = Vec3<S>::Constant(S(50));
     S n = S(0);
     S torque_error = S(0.3);

@@ -38,7 +38,7 @@ class LearningEffectivenessPrinted {
     S n = S(0);
     S layer = S(0);
     S delay = S(0.01);
-    S e_min = S(0.05);
+    S e_min = S(0.05);  ///< as weak as the pseudo-inverse uses: an actuator that is given up is never learnt again
     Direction direction = Direction::none;
     S u_exc = S(0.3);
 
