@@ -178,6 +178,19 @@ TEST(GuardRestarts, AnObserver) {
   expect_restart<BadObserver, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(
       [](const auto& stack) { return stack.estimator.observer.starts; });
 }
+TEST(GuardRestarts, AnObserverWhoseTorqueNothingCouldMake) {
+  struct Carried : BadObserver {  // finite, and there to stay
+    using BadObserver::BadObserver;
+    Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+      Estimate<double> x = Passthrough::step(y, last);
+      if (y.tick == trouble) x.d_B[2] = -1001 * 4 * 0.2;
+      if (y.tick == trouble - 1) x.d_B[1] = 999 * 4 * 0.2;  // absurd, but believed
+      return x;
+    }
+  };
+  expect_restart<Carried, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(
+      [](const auto& stack) { return stack.estimator.observer.starts; });
+}
 TEST(GuardRestarts, ADetector) {
   expect_restart<Passthrough<double>, BadDetector, MrpFeedback<double>, PseudoInverse<double>>(
       [](const auto& stack) { return stack.estimator.detector.starts; });

@@ -100,12 +100,19 @@ struct Outcome {
   Spoil slowest_after{};  ///< what the slowest episode had been spoilt with
 };
 
-/// FTC-4RW at 100 Hz with one component exchanged, started near its target. An observer's d_B is taken away, so that what
+/// FTC-4RW at 100 Hz with one component exchanged, started near its target, under a torque whose mean is zero: hours of a
+/// constant one would fill the wheels beyond what 0.2 N m can turn. An observer's d_B is taken away, so that what
 /// it remembers of the abuse is felt. A law that does not regulate is asked for its flags alone.
 inline host::Table loop_with(const std::string& role, const std::string& name) {
   host::Table s = bench::ftc_4rw("rk4");
   s.set("initial", host::Table{{"mrp", bench::row({0.001, -0.002, 0.001})}});
   s.set("duration", 1e6);
+  const auto sine = [](double amplitude, double omega) {
+    return host::Table{{"type", "sine"}, {"amplitude", amplitude}, {"omega", omega}};
+  };
+  s.set("disturbances",
+        host::List{host::Table{{"type", "periodic"},
+                               {"torque_B", host::List{sine(1e-3, 0.02), sine(-2e-3, 0.013), sine(1.5e-3, 0.029)}}}});
   s.set("allow_unstable", true);
   s.set("controller", host::Table{{"type", "mrp_feedback"}, {"compensate", role == "observer"}});
   s.set(role, host::Table{{"type", name}});

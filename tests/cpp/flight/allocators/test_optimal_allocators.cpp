@@ -111,6 +111,38 @@ TYPED_TEST(OptimalAllocators, KeepLimitsAndRatesOnARandomWalkOfDemandsAndFaults)
   });
 }
 
+/// The worst case of a step, made to happen: the limit is lowered until solves end at it.
+TYPED_TEST(OptimalAllocators, EndAtTheirLimitOfNewtonStepsInsideTheBoxAndSaySo) {
+  using S = TypeParam;
+  const auto few = [](auto& p) { p.max_newton = 1; };
+  const auto walk = [this](auto allocator, int limit) {
+    Random random(13);
+    Estimate<S> x = healthy<S>(4);
+    int reached = 0;
+    for (int k = 0; k < 400; ++k) {
+      for (int i = 0; i < 4; ++i) x.effectiveness[i] = S(random.uniform(0.05, 1));
+      const Vec3<S> wish = random.vector<S>(0.5);  // mostly out of reach
+      const Allocation<S> a = allocator.step(demand<S>(wish[0], wish[1], wish[2]), x, this->none);
+      EXPECT_LE(a.u.cwiseAbs().maxCoeff(), S(0.2)) << allocator.name << ' ' << k;
+      EXPECT_TRUE(std::isfinite(a.gap)) << allocator.name << ' ' << k;
+      EXPECT_LE(a.iterations, limit) << allocator.name << ' ' << k;
+      reached += a.status.has(Flag::cap_reached);
+    }
+    return reached;
+  };
+  const auto expect_ends = [&](auto limited, auto usual) {
+    EXPECT_GT(walk(limited, 1), 100) << limited.name;
+    EXPECT_EQ(walk(usual, 200), 0) << usual.name;
+  };
+  expect_ends(this->template make<Lexicographic<S>>(this->setup, few),
+              this->template make<Lexicographic<S>>(this->setup));
+  expect_ends(this->template make<LexicographicScaled<S>>(this->setup, few),
+              this->template make<LexicographicScaled<S>>(this->setup));
+  expect_ends(this->template make<WeightedLeastSquares<S>>(this->setup, few),
+              this->template make<WeightedLeastSquares<S>>(this->setup));
+  expect_ends(this->template make<RobustSocp<S>>(this->setup, few), this->template make<RobustSocp<S>>(this->setup));
+}
+
 TYPED_TEST(OptimalAllocators, UseNeitherFailedNorSpareActuatorsAndSayWhatThatCosts) {
   using S = TypeParam;
   this->setup.vehicle.spare.set(3);

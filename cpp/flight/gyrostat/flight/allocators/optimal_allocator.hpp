@@ -27,6 +27,7 @@ struct OptimalAllocatorParams {
   BoundPolicy bound_policy = BoundPolicy::physical;
   S bound_cap = S(0.1);
   S e_min = S(0.01);
+  int max_newton = 200;
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.effort_weight,
@@ -39,6 +40,8 @@ struct OptimalAllocatorParams {
     field(p.bound_cap,
           Field{"bound_cap", "", 0, 1, "effectiveness_bound is taken as this where it is larger or unknown"});
     field(p.e_min, Field{"e_min", "", 1e-3, 1, "weaker actuators are not used"});
+    field(p.max_newton,
+          Field{"max_newton", "", 1, 1000, "Newton steps a sample; beyond them the best so far is issued"});
   }
 };
 
@@ -83,6 +86,7 @@ class OptimalAllocator {
     problem_ = Problem::symmetric(vehicle_.actuators(), S(0));
     problem_.mode = mode;
     problem_.effectiveness_min = params.e_min;
+    problem_.max_newton = params.max_newton;
     reset();
   }
 
