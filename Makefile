@@ -76,7 +76,7 @@ headers: debian-test  ## every header compiled alone (a minute and a half; make 
 	@$(STEP) configure-release cmake --preset release
 	@$(STEP) headers-alone cmake --build --preset release --target all_verify_interface_header_sets
 
-matrix: debian-test headers asan-python  ## the flight code and its tests with every compiler found, and the rest that CI has no time for
+matrix: debian-test headers asan-python embedded $(VENV)/test.stamp  ## the flight code and its tests with every compiler found, and the rest that CI has no time for
 	@scripts/matrix
 
 tidy: debian-test  ## clang-tidy over our own sources
@@ -102,13 +102,14 @@ debian-bench: debian-test
 	@scripts/debian_packages libbenchmark-dev
 
 # The virtual environment carries the build requirements, so that a rebuild compiles only what changed. The module is
-# compiled by the compiler of `make cpp`, under the same name: ccache then finds truth and host there.
+# compiled by the compiler of `make cpp`, under the same name: ccache then finds truth and host there. The test tools bring
+# a CMake of their own into the environment; with it everything would be built once more.
 $(VENV)/venv.stamp: pyproject.toml
 	@scripts/make_venv $(VENV)
 	@touch $@
 
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(PACKAGE) | debian-run
-	@CXX=$${CXX:-c++} $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation .
+	@CXX=$${CXX:-c++} CMAKE_EXECUTABLE=$$(command -v cmake) $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation .
 	@touch $@
 
 $(VENV)/test.stamp: $(VENV)/venv.stamp

@@ -21,8 +21,9 @@ from gyrostat.export import FlightCode, export
 from gyrostat.export.model import INPUTS, OUTPUTS, flight_code, suffixes
 
 ROLES = ("observer", "detector", "controller", "allocator")
-# wheel2_degraded loses its wheel at 20 s = sample 2000, table1 has the first faults at 10 s = sample 10 000
-CASES = {"wheel2_degraded": 3000, "li2018/table1": 11_000}
+# wheel2_degraded loses its wheel at 20 s = sample 2000; yang2023 has masks, and a detector that turns
+# the spare on at sample 8434
+CASES = {"wheel2_degraded": 3000, "yang2023/maneuver": 9000}
 Unit: TypeAlias = tuple[Path, FlightCode]
 
 
@@ -37,11 +38,11 @@ def wheel2(tmp_path_factory: pytest.TempPathFactory) -> Unit:
 
 
 @pytest.fixture(scope="module")
-def table1(tmp_path_factory: pytest.TempPathFactory) -> Unit:
-    return built("li2018/table1", tmp_path_factory.mktemp("table1") / "out")
+def maneuver(tmp_path_factory: pytest.TempPathFactory) -> Unit:
+    return built("yang2023/maneuver", tmp_path_factory.mktemp("maneuver") / "out")
 
 
-@pytest.fixture(params=["wheel2", "table1"])
+@pytest.fixture(params=["wheel2", "maneuver"])
 def unit(request: pytest.FixtureRequest) -> Unit:
     found: Unit = request.getfixturevalue(request.param)
     return found
@@ -182,6 +183,18 @@ def test_parameters_of_a_unit_are_those_of_the_scenario(wheel2: Unit, tmp_path: 
     with slave(path, tmp_path / "same") as one:
         unchanged = one.fly(flown)[:, : flown.actuators]
         assert np.abs(unchanged - flown.column("allocation.u")).max() > 1e-3
+
+
+def test_a_mask_is_a_switch_for_each_actuator(maneuver: Unit, tmp_path: Path) -> None:
+    path, code = maneuver
+    assert code.column("detection.event").max() > 0  # the recording has a declaration
+    scenario = code.scenario.replace(**{"observer.frozen": [0], "detector.unwatched": []})
+    flown = flight_code(scenario, scalar="double", samples=2500, name=None)
+    masks = {"observer.frozen[0]": True, "observer.frozen[3]": False, "detector.unwatched[3]": False}
+    with slave(path, tmp_path / "changed", masks) as one:
+        assert_same(one.fly(flown), flown)
+    with slave(path, tmp_path / "same") as one, pytest.raises(AssertionError):
+        assert_same(one.fly(flown), flown)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Every stack can be exported: those of the papers, and between them every flight component of the catalogue.
+"""Every stack can be exported: those of the papers, and as many more as hold every flight component.
 
-One program holds all of them; it replays their recorded loops, in `double` and in `float`.
+One program replays all their recorded loops, in `double` and in `float`.
 
 ``tests/golden/float_stacks.csv`` states how far `float` may be from `double` for each stack;
 ``python tests/python/test_export_stacks.py`` writes it anew.
@@ -97,7 +97,8 @@ class Replayed:
 
 def _compile(names: list[str], folder: Path) -> None:
     """All stacks into one program; two files, so that two cores are busy."""
-    command = [*shlex.split(os.environ.get("CXX", "c++")), *FLAGS.split(), "-isystem", str(find_eigen())]
+    compiler = shlex.split(f"{os.environ.get('CXX', 'c++')} {FLAGS} {os.environ.get('CXXFLAGS', '')}")
+    command = [*compiler, "-isystem", str(find_eigen())]
     # The headers of an export are those that it needs; the first folder that has one wins.
     command += [f"-I{folder}", f"-I{Path(__file__).parent}", *(f"-I{folder / name / 'include'}" for name in names)]
     halves = (names[::2], names[1::2])
@@ -174,7 +175,7 @@ def write_table() -> None:
         file.write(
             f"# float against double, largest difference of a command in {SAMPLES} recorded samples played back,\n"
         )
-        file.write("relative to the largest command. Written by tests/python/test_export_stacks.py.\n")
+        file.write("# relative to the largest command. Written by tests/python/test_export_stacks.py.\n")
         rows: list[Any] = [HEAD]
         for name in replayed.codes:
             measured = replayed.float_deviation(name)

@@ -236,7 +236,7 @@ def _component(found: Mapping[str, Any]) -> ComponentCode:
         or found["cpp"].startswith("gyrostat::host::")
         or not has_header(header)
     ):
-        raise InputError(f"{role} '{name}' is no flight code and cannot be exported ({found['cpp']})")
+        raise InputError(f"{role} '{name}' runs in the host alone and cannot be exported ({found['cpp']})")
     params = tuple(_parameter(role, p) for p in found["params"] if p["default"] is not None)
     return ComponentCode(role, name, found["cpp"], header, params)
 
