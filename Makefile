@@ -13,16 +13,16 @@ CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.
 PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy embedded fuzz format stubs clean debian-run debian-test \
+.PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
         debian-bench debian-embedded debian-fuzz
 
 help:  ## this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 run: debian-run $(VENV)/package.stamp  ## install what is missing, reproduce every paper, leave a report in out/report
 	@$(BIN)/gyrostat reproduce all --out $(OUT)
 
-test: debian-test lint cpp asan python  ## the same set-up, then all tests, types, stubs and format
+test: debian-test lint cpp asan python embedded-short  ## the same set-up, then all tests, types, stubs and format
 	@echo "all tests passed"
 
 cpp: debian-test  ## C++ libraries, optimised: the embedded contract, layers, an outside project
@@ -71,6 +71,9 @@ fuzz: debian-fuzz  ## a minute of coverage-guided fuzzing of every stack, under 
 
 embedded: debian-embedded $(VENV)/package.stamp  ## exported flight stacks on an emulated Cortex-M7, against the host; prints sizes and instructions
 	@$(BIN)/python scripts/embedded
+
+embedded-short: debian-embedded $(VENV)/package.stamp  ## two of these stacks, as make test flies them
+	@$(STEP) embedded-short $(BIN)/python scripts/embedded li2018 learning_lexicographic
 
 headers: debian-test  ## every header compiled alone (a minute and a half; make test checks the layers' include roots)
 	@$(STEP) configure-release cmake --preset release
