@@ -34,7 +34,7 @@ def printed(*arguments: str) -> Any:
 
 def test_help_teaches_with_examples() -> None:
     assert "gyrostat run wheel2_degraded" in gyrostat("--help").stdout
-    for command in ("list", "describe", "run", "reproduce", "check", "export", "schema"):
+    for command in ("list", "describe", "run", "reproduce", "check", "design", "export", "schema"):
         done = gyrostat(command, "--help")
         assert done.returncode == 0
         assert "Example" in done.stdout, command

@@ -191,6 +191,18 @@ TEST(GuardRestarts, AnObserverWhoseTorqueNothingCouldMake) {
   expect_restart<Carried, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(
       [](const auto& stack) { return stack.estimator.observer.starts; });
 }
+TEST(GuardRestarts, NoObserverOfAVehicleWithAnIdleColumnAndNoLimits) {
+  gyrostat::Setup<double> setup = ftc_4rw<double>();
+  setup.vehicle.D_B.leftCols<3>() = Mat3<double>::Identity();
+  setup.vehicle.D_B.col(3).setZero();
+  setup.vehicle.u_up.setConstant(std::numeric_limits<double>::infinity());
+  setup.vehicle.u_lo = -setup.vehicle.u_up;
+  auto stack = stack_of<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(setup);
+  for (Tick k = 0; k < 10; ++k) {
+    stack.step(wobble<double>(k, 4), {});
+    EXPECT_FALSE(stack.last().status.has(Flag::component_reset)) << k;
+  }
+}
 TEST(GuardRestarts, ADetector) {
   expect_restart<Passthrough<double>, BadDetector, MrpFeedback<double>, PseudoInverse<double>>(
       [](const auto& stack) { return stack.estimator.detector.starts; });

@@ -56,7 +56,8 @@ class Estimator {
  private:
   /// A finite number can be large enough that a law with a power below one would carry what it left behind for years.
   bool believable(const Estimate<Scalar>& x) const noexcept {
-    return is_finite(x) && x.d_B.template lpNorm<Eigen::Infinity>() <= d_max_;
+    return is_finite(x) &&
+           !(x.d_B.template lpNorm<Eigen::Infinity>() > d_max_);  // NaN: a column of zeros without limits
   }
   void healthy_instead(const Measurement<Scalar>& y) noexcept {
     x_ = Estimate<Scalar>::healthy(y);
