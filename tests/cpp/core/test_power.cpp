@@ -74,6 +74,20 @@ TYPED_TEST(Power, CoreSlopeIsTheDerivative) {
   }
 }
 
+TYPED_TEST(Power, TerminalShapeIsItsFormulaAndMovesAtItsRate) {
+  using S = TypeParam;
+  const TerminalShape<S> shape{S(0.3), S(0.5), S(0.7), S(0.5)}, line{S(0.3)};
+  const Vec3<S> x(S(-0.8), S(0.1), S(2)), xdot(S(1), S(-0.5), S(0.2));
+  const S h = std::cbrt(this->eps);
+  const Vec3<S> ahead = x + h * xdot, behind = x - h * xdot;
+  const Vec3<S> difference = (shape(ahead) - shape(behind)) / (S(2) * h);
+  EXPECT_LT((shape.rate(x, xdot) - difference).norm(), S(20) * h * h);  // as above
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(shape(x)[i], S(0.3) * x[i] + S(0.5) * sig_core(x[i], S(0.7), S(0.5)), S(4) * this->eps);
+  EXPECT_EQ(line(x), Vec3<S>(S(0.3) * x));
+  EXPECT_EQ(line.rate(x, xdot), Vec3<S>(S(0.3) * xdot));
+}
+
 TYPED_TEST(Power, ClipKeepsWhatIsInsideAndAcceptsInfiniteLimits) {
   using S = TypeParam;
   const S inf = std::numeric_limits<S>::infinity();

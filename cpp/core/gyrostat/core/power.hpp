@@ -69,6 +69,27 @@ Vec3<S> layer(const Vec3<S>& x, S width) noexcept {
   return {layer(x[0], width), layer(x[1], width), layer(x[2], width)};
 }
 
+/// slope x + gain sig_core(x, power, core), elementwise: terminal sliding surfaces, and the ways that lead to them.
+template <class S>
+struct TerminalShape {
+  S slope, gain = S(0), power = S(1), core = S(1);
+
+  /// Added to `to`, the linear part first: near a surface the two all but cancel, and single precision feels the order.
+  Vec3<S> operator()(const Vec3<S>& x, const Vec3<S>& to = Vec3<S>::Zero()) const noexcept {
+    Vec3<S> out = to + slope * x;
+    if (gain > S(0))
+      for (int i = 0; i < 3; ++i) out[i] += gain * sig_core(x[i], power, core);
+    return out;
+  }
+  /// Its derivative while x moves at xdot.
+  Vec3<S> rate(const Vec3<S>& x, const Vec3<S>& xdot) const noexcept {
+    Vec3<S> along = Vec3<S>::Constant(slope);
+    if (gain > S(0))
+      for (int i = 0; i < 3; ++i) along[i] += gain * sig_core_slope(x[i], power, core);
+    return along.cwiseProduct(xdot);
+  }
+};
+
 /// Elementwise clip.
 template <class S>
 VecN<S> clip(const VecN<S>& u, const VecN<S>& lo, const VecN<S>& up) noexcept {

@@ -56,7 +56,7 @@ class FastTerminalSlidingMode {
   }
 
   FastTerminalSlidingMode(const Setup<S>& setup, const Params& p) noexcept
-      : vehicle_(setup.vehicle), gains_{p.b1, p.b2, p.b3, p.b4, p.r, p.core, p.s_core} {}
+      : vehicle_(setup.vehicle), gains_{{p.b1, p.b2, p.r, p.core}, {p.b3, p.b4, p.r, p.s_core}} {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
     side_ = short_side(x, ref);

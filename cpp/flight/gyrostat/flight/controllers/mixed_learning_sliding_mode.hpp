@@ -20,7 +20,7 @@ template <class S>
 class MixedLearningSlidingMode {
  public:
   using Scalar = S;
-  using Surface = typename RateAttitudeSurface<S>::Params;
+  using Surface = TerminalShape<S>;
   static constexpr const char* name = "mixed_learning_sliding_mode";
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;

@@ -79,8 +79,7 @@ class MrpSurface {
     m.G_inv = mrp_rate_matrix_inverse(m.z1);
     m.z2 = m.G * m.error_B;
     m.G_rate = mrp_rate_matrix_rate(m.z1, m.z2);
-    const Vec3<S> momentum_B = vehicle_.J_B * x.omega_BN_B + torque<S>(vehicle_.D_B, x.h_w);
-    m.given_B = error.feedforward_B + m.error_B.cross(momentum_B);
+    m.given_B = error.equivalent_B();
     return m;
   }
 

@@ -93,7 +93,7 @@ class PrescribedPerformance {
       : vehicle_(setup.vehicle),
         dt_(setup.dt),
         params_(p),
-        gains_{p.b1, p.b2, p.b3, p.b4, p.r, p.eps_core, p.s_core},
+        gains_{{p.b1, p.b2, p.r, p.eps_core}, {p.b3, p.b4, p.r, p.s_core}},
         shape_{p.power, p.rho_inf, p.delta_1, p.delta_2} {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref) noexcept {

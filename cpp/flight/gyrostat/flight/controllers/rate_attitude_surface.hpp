@@ -17,18 +17,12 @@ namespace gyrostat {
 template <class S>
 class RateAttitudeSurface {
  public:
-  struct Params {
-    S delta = S(0.1);
-    S terminal = S(0);
-    S power = S(0.7);
-    S core = S(0.01);
-  };
   struct Value {
     Vec3<S> s;             ///< rad/s
     Vec3<S> equivalent_B;  ///< N m, makes J s' vanish without disturbance
   };
 
-  explicit RateAttitudeSurface(const Params& p) noexcept : p_(p) {}
+  explicit RateAttitudeSurface(const TerminalShape<S>& shape) noexcept : shape_(shape) {}
 
   /// J s' = tau - equivalent + d.
   Value operator()(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) const noexcept {
@@ -37,19 +31,11 @@ class RateAttitudeSurface {
     const Quat<S> q_RB = quat_from_mrp(error.sigma_BR);
     const Vec3<S> q = q_RB.vec();
     const Vec3<S> qdot = S(0.5) * (q.cross(w) + q_RB.w() * w);
-    Vec3<S> s = w + p_.delta * q, sdot = p_.delta * qdot;
-    if (p_.terminal > S(0)) {
-      for (int i = 0; i < 3; ++i) {
-        s[i] += p_.terminal * sig_core(q[i], p_.power, p_.core);
-        sdot[i] += p_.terminal * sig_core_slope(q[i], p_.power, p_.core) * qdot[i];
-      }
-    }
-    const Vec3<S> momentum_B = vehicle.J_B * x.omega_BN_B + torque<S>(vehicle.D_B, x.h_w);
-    return {s, error.feedforward_B + w.cross(momentum_B) - vehicle.J_B * sdot};
+    return {shape_(q, w), error.equivalent_B() - vehicle.J_B * shape_.rate(q, qdot)};
   }
 
  private:
-  Params p_;
+  TerminalShape<S> shape_;
 };
 
 /// What every sliding mode on this surface has: slope of the surface, gains of reaching it, compensation.

@@ -39,7 +39,7 @@ S short_side(const Estimate<S>& x, const Reference<S>& ref) noexcept {
 /// Gains of the surface and of the reaching law.
 template <class S>
 struct SlidingGains {
-  S b1, b2, b3, b4, r, core_xi, core_s;
+  TerminalShape<S> surface, reaching;
 };
 
 /// Surface and torque of one sample.
@@ -54,17 +54,10 @@ template <class S>
 SlidingLaw<S> sliding_law(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref,
                           const SlidingError<S>& error, const SlidingGains<S>& g, const Vec3<S>& xi,
                           const Vec3<S>& xidot, bool as_printed = false) noexcept {
-  const Vec3<S> momentum_B = vehicle.J_B * x.omega_BN_B + torque<S>(vehicle.D_B, x.h_w);
-  Vec3<S> s, drift, reaching;
-  for (int i = 0; i < 3; ++i) {
-    s[i] = error.omega_BR_B[i] + g.b1 * xi[i] + g.b2 * sig_core(xi[i], g.r, g.core_xi);
-    drift[i] = (g.b1 + g.b2 * sig_core_slope(xi[i], g.r, g.core_xi)) * xidot[i];
-    reaching[i] = g.b3 * s[i] + g.b4 * sig_core(s[i], g.r, g.core_s);
-  }
-  const Vec3<S> model_B = as_printed
-                              ? Vec3<S>(-x.omega_BN_B.cross(momentum_B))
-                              : Vec3<S>(track(vehicle, x, ref).feedforward_B + error.omega_BR_B.cross(momentum_B));
-  return {s, model_B - vehicle.J_B * drift - reaching - x.d_B};
+  const Vec3<S> s = g.surface(xi, error.omega_BR_B);
+  const Tracking<S> tracking = track(vehicle, x, ref);
+  const Vec3<S> model_B = as_printed ? Vec3<S>(-x.omega_BN_B.cross(tracking.momentum_B)) : tracking.equivalent_B();
+  return {s, model_B - vehicle.J_B * g.surface.rate(xi, xidot) - g.reaching(s) - x.d_B};
 }
 
 }  // namespace gyrostat

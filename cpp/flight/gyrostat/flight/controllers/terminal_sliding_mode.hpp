@@ -70,7 +70,7 @@ class TerminalSlidingMode {
   }
 
   TerminalSlidingMode(const Setup<S>& setup, const Params& params) noexcept
-      : params_(params), surface_(setup.vehicle, params) {}
+      : params_(params), shape_{params.a, params.b, params.g, params.eta}, surface_(setup.vehicle, params) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
     surface_.start();
@@ -86,18 +86,15 @@ class TerminalSlidingMode {
  private:
   Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
     const MrpMotion<S> m = surface_.motion(x, ref);
-    Vec3<S> wanted;
-    for (int i = 0; i < 3; ++i) {
-      s_[i] = m.z2[i] + params_.a * m.z1[i] + params_.b * sig_core(m.z1[i], params_.g, params_.eta);
-      wanted[i] = (params_.a + params_.b * sig_core_slope(m.z1[i], params_.g, params_.eta)) * m.z2[i] +
-                  params_.k1 * s_[i] + params_.k2 * sig(s_[i], params_.g2);
-    }
+    s_ = shape_(m.z1, m.z2);
+    const Vec3<S> reach = params_.k1 * s_ + params_.k2 * sig(s_, params_.g2);
     Demand<S> out;
-    out.tau_B = surface_.torque_B(m, s_, wanted, x.d_B);
+    out.tau_B = surface_.torque_B(m, s_, shape_.rate(m.z1, m.z2) + reach, x.d_B);
     return out;
   }
 
   Params params_;
+  TerminalShape<S> shape_;
   MrpSurface<S> surface_;
   Vec3<S> s_ = Vec3<S>::Zero();  ///< 1/s
 };
