@@ -21,6 +21,7 @@ from gyrostat.files import writable_folder, write_text
 from gyrostat.scenario import Scenario, shipped
 
 if TYPE_CHECKING:
+    from gyrostat.design import Finding
     from gyrostat.papers import Reproduction
     from gyrostat.results import Result
 
@@ -244,19 +245,34 @@ def check(
     checked = _scenario(scenario, settings)
     rows = checked.check()
     findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
-    if out is not None:
-        folder = writable_folder(out)
-        for name, figure in [drawn for draw in design.FIGURES for drawn in draw(checked).items()]:
-            figure.save(folder / f"{name}.png")
+    drawn = [] if out is None else _drawn(checked, out)
     if as_json:
         _print_json({"checks": rows, "design": [vars(f) for f in findings]})
     else:
-        lines = [(r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows]
-        verdicts = {True: "ok: ", False: "fails: ", None: ""}
-        lines += [(f.where, f.name, verdicts[f.ok] + f.text) for f in findings]
-        _print_columns(lines)
+        lines: list[tuple[str, ...]] = [
+            (r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows
+        ]
+        _print_columns([*lines, *_finding_lines(findings)])
+        for picture in drawn:
+            typer.echo(f"figure: {picture}")
     if not all(r["ok"] for r in rows) or any(f.ok is False for f in findings):
         raise typer.Exit(1)
+
+
+def _finding_lines(findings: Sequence[Finding]) -> list[tuple[str, ...]]:
+    verdicts = {True: "ok: ", False: "fails: ", None: ""}
+    return [(f.where, f.name, verdicts[f.ok] + f.text) for f in findings]
+
+
+def _drawn(scenario: Scenario, out: Path) -> list[Path]:
+    """The figures of `gyrostat check --out`; nothing is written when there are none."""
+    from gyrostat import design
+
+    figures = {name: figure for draw in design.FIGURES for name, figure in draw(scenario).items()}
+    if not figures:
+        raise InputError("--out: nothing to draw; figures are of the observer 'learning_disturbance'")
+    folder = writable_folder(out)
+    return [figure.save(folder / f"{name}.png") for name, figure in figures.items()]
 
 
 @app.command()
@@ -295,8 +311,7 @@ def design(
     if as_json:
         _print_json(report.to_dict())
     else:
-        verdicts = {True: "ok: ", False: "fails: ", None: ""}
-        _print_columns([(f.where, f.name, verdicts[f.ok] + f.text) for f in report.findings])
+        _print_columns(_finding_lines(report.findings))
         for role, table in report.components.items():
             typer.echo(f"\n[{role}]")
             for key, value in table.items():

@@ -115,6 +115,7 @@ def test_set_takes_numbers_words_and_lists() -> None:
         (["reproduce", "nobody1900"], ["no paper 'nobody1900'"]),
         (["export", "ftc_4rw", "--target", "rust", "--out", "new"], ["no target 'rust'", "cpp"]),
         (["export", "ftc_4rw", "--target", "c"], ["Missing option", "--out"]),
+        (["check", "ftc_4rw", "--out", "new"], ["nothing to draw", "learning_disturbance"]),
         (["fly"], ["No such command 'fly'"]),
         (["run"], ["Missing argument"]),
     ],
