@@ -143,26 +143,26 @@ void bind_metrics(py::module_& m) {
         return host::settling_time(series(t, x), band, after);
       },
       "t"_a, "x"_a, "band"_a, "after"_a = 0.0,
-      "First instant (s), not before `after`, from which max_i |x_i| < band to the end; nan when it is never so.");
+      "Time (s) from `after` to the first instant from which max_i |x_i| < band to the end; nan when it is never so.");
   m.def(
       "window_max",
       [](const Array& t, const Array& x, double t0, double t1) { return host::window_max(series(t, x), t0, t1); },
       "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest |x_i| of the samples in [t0, t1].");
   m.def(
-      "window_max_norm",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_max_norm(series(t, x), t0, t1); },
+      "window_norm",
+      [](const Array& t, const Array& x, double t0, double t1) { return host::window_norm(series(t, x), t0, t1); },
       "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest Euclidean norm of x in [t0, t1].");
   m.def(
       "window_rms",
       [](const Array& t, const Array& x, double t0, double t1) { return host::window_rms(series(t, x), t0, t1); },
       "t"_a, "x"_a, "t0"_a, "t1"_a, "Root of the mean over [t0, t1] of sum_i x_i^2.");
   m.def(
-      "window_min",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_range(series(t, x), t0, t1).lo; },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Smallest value of any x_i in [t0, t1].");
+      "window_lowest",
+      [](const Array& t, const Array& x, double t0, double t1) { return host::window_lowest(series(t, x), t0, t1); },
+      "t"_a, "x"_a, "t0"_a, "t1"_a, "Smallest value (signed) of any x_i in [t0, t1].");
   m.def(
-      "window_upper",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_range(series(t, x), t0, t1).hi; },
+      "window_highest",
+      [](const Array& t, const Array& x, double t0, double t1) { return host::window_highest(series(t, x), t0, t1); },
       "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest value (signed) of any x_i in [t0, t1].");
   m.def(
       "energy", [](const Array& t, const Array& u) { return host::energy(series(t, u)); }, "t"_a, "u"_a,

@@ -29,7 +29,7 @@ _common = {"metric", "signal", "column", "against"}
 
 
 def settling_time(result: Result, *, signal: Array, band: float, after: float = 0.0) -> float:
-    """First instant, s, after which the signal stays below `band` to the end. Not measured when it never does."""
+    """Time from `after` until the signal stays below `band` to the end, s. Not measured when it never does."""
     _reaches(result, result.t[0], _planned_end(result))
     return metrics.settling_time(result.t, signal, band, after)
 
@@ -41,17 +41,17 @@ def window_max(result: Result, *, signal: Array, window: Window = _whole) -> flo
 
 def window_norm(result: Result, *, signal: Array, window: Window = _whole) -> float:
     """Largest Euclidean norm of the signal in a window of time."""
-    return metrics.window_max_norm(result.t, signal, *_reaches(result, *window))
+    return metrics.window_norm(result.t, signal, *_reaches(result, *window))
 
 
 def window_lowest(result: Result, *, signal: Array, window: Window = _whole) -> float:
     """Smallest value (signed) in a window of time."""
-    return metrics.window_min(result.t, signal, *_reaches(result, *window))
+    return metrics.window_lowest(result.t, signal, *_reaches(result, *window))
 
 
 def window_highest(result: Result, *, signal: Array, window: Window = _whole) -> float:
     """Largest value (signed) in a window of time."""
-    return metrics.window_upper(result.t, signal, *_reaches(result, *window))
+    return metrics.window_highest(result.t, signal, *_reaches(result, *window))
 
 
 def window_rms(result: Result, *, signal: Array, window: Window = _whole) -> float:
@@ -80,9 +80,25 @@ def energy(result: Result, *, signal: Array) -> float:
     return metrics.energy(result.t, signal)
 
 
+def recovery(result: Result, *, signal: Array, band: float, after: float, until: float = math.inf) -> float:
+    """Time from a fault until the signal stays below `band`, as far as `until`, s; the sample at the fault is before it.
+
+    Not measured when it never does.
+    """
+    start, end = _reaches(result, after, until)
+    part = (result.t > start + 1e-9) & (result.t <= end + 1e-9)
+    return metrics.settling_time(result.t[part], signal[part], band, after)
+
+
 def first_reach(result: Result, *, signal: Array, level: float, after: float = 0.0) -> float:
     """First instant, s, at which ``|signal|`` reaches a level. Not measured when it never does."""
     return metrics.first_reach(result.t, signal, level, after)
+
+
+def ratio(result: Result, *, signal: Array, against: Result, other: Array, window: Window = _whole) -> float:
+    """Largest ``|signal|`` in a window of time over that of another case."""
+    of_other = metrics.window_max(against.t, other, *_reaches(against, *window))
+    return window_max(result, signal=signal, window=window) / of_other
 
 
 def difference(result: Result, *, signal: Array, against: Result, other: Array, window: Window = _whole) -> float:
@@ -111,6 +127,7 @@ METRICS: dict[str, Metric] = {
     f.__name__: f
     for f in (
         settling_time,
+        recovery,
         window_max,
         window_norm,
         window_lowest,
@@ -121,6 +138,7 @@ METRICS: dict[str, Metric] = {
         fraction_at_least,
         energy,
         first_reach,
+        ratio,
         difference,
         completed,
         end_time,

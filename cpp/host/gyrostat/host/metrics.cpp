@@ -42,6 +42,11 @@ Window window(const Series& s, double t0, double t1) {
   return {static_cast<std::size_t>(begin - s.t.begin()), static_cast<std::size_t>(end - s.t.begin())};
 }
 
+std::span<const double> values(const Series& s, double t0, double t1) {
+  const Window w = window(s, t0, t1);
+  return s.x.subspan(w.begin * s.width(), (w.end - w.begin) * s.width());
+}
+
 template <class F>
 double window_largest(const Series& s, double t0, double t1, F of) {
   const Window w = window(s, t0, t1);
@@ -64,12 +69,12 @@ double settling_time(const Series& s, double band, double after) {
   (void)s.width();
   std::size_t k = s.t.size();
   while (k > 0 && s.t[k - 1] >= after - tolerance && largest(sample(s, k - 1)) < band) --k;
-  return k == s.t.size() ? never : s.t[k];
+  return k == s.t.size() ? never : s.t[k] - after;
 }
 
 double window_max(const Series& s, double t0, double t1) { return window_largest(s, t0, t1, largest); }
 
-double window_max_norm(const Series& s, double t0, double t1) {
+double window_norm(const Series& s, double t0, double t1) {
   return std::sqrt(window_largest(s, t0, t1, sum_of_squares));
 }
 
@@ -80,11 +85,16 @@ double window_rms(const Series& s, double t0, double t1) {
   return std::sqrt(sum / static_cast<double>(w.end - w.begin));
 }
 
-Range window_range(const Series& s, double t0, double t1) {
-  const Window w = window(s, t0, t1);
-  const std::span<const double> part = s.x.subspan(w.begin * s.width(), (w.end - w.begin) * s.width());
-  const auto [lo, hi] = std::minmax_element(part.begin(), part.end());
-  return {*lo, *hi};
+double window_lowest(const Series& s, double t0, double t1) {
+  double m = std::numeric_limits<double>::infinity();
+  for (double v : values(s, t0, t1)) m = -larger(-m, -v);
+  return m;
+}
+
+double window_highest(const Series& s, double t0, double t1) {
+  double m = -std::numeric_limits<double>::infinity();
+  for (double v : values(s, t0, t1)) m = larger(m, v);
+  return m;
 }
 
 double energy(const Series& s) {

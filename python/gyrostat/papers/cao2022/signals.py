@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrostat import metrics
 from gyrostat.results import Result
 
 Array = NDArray[np.float64]
@@ -61,14 +60,6 @@ def rate(result: Result) -> Array:
     return np.asarray(np.linalg.norm(result["truth.omega_BN_B"], axis=1, keepdims=True), dtype=np.float64)
 
 
-def recovery(result: Result, *, signal: Array, band: float, after: float, until: float = np.inf) -> float:
-    """Time from a fault until the signal stays inside a band, s; the sample at the fault is before it."""
-    if result.end_time < float(result.description["duration"]) - 1e-9:
-        raise ValueError(f"the run ended at {result.end_time:g} s")
-    part = (result.t > after + 1e-9) & (result.t <= until + 1e-9)
-    return metrics.settling_time(result.t[part], signal[part], band, after) - after
-
-
 def at(result: Result, *, signal: Array, time: float) -> float:
     """The value at a sample."""
     return float(signal[int(np.argmin(np.abs(result.t - time)))])
@@ -102,5 +93,5 @@ SIGNALS = {
     f.__name__: f
     for f in (effectiveness_error, shadow_error, inertia_error, breach, unknown, attitude, rate, effectiveness_now)
 }
-METRICS = {f.__name__: f for f in (recovery, at)}
+METRICS = {"at": at}
 SAMPLERS = {"random_attitude": random_attitude}

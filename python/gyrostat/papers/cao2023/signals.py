@@ -52,16 +52,10 @@ def at(result: Result, *, signal: Array, instant: float) -> float:
     return float(np.abs(signal[row]).max())
 
 
-def norm_rms(result: Result, *, signal: Array, window: tuple[float, float]) -> float:
-    """Root mean square of the Euclidean norm in a window of time."""
-    part = (result.t >= window[0] - 1e-9) & (result.t <= window[1] + 1e-9)
-    return float(np.sqrt(np.mean(np.sum(signal[part] ** 2, axis=1))))
-
-
 def stays_below(result: Result, *, signal: Array, band: float, after: float = 0.0, until: float = np.inf) -> float:
     """Time from `after` until the norm of the signal stays below `band`, as far as `until`, s."""
     part = (result.t >= after - 1e-9) & (result.t <= until + 1e-9)
-    return metrics.settling_time(result.t[part], np.linalg.norm(signal[part], axis=1), band, after) - after
+    return metrics.settling_time(result.t[part], np.linalg.norm(signal[part], axis=1), band, after)
 
 
 def mean(result: Result, *, signal: Array) -> float:
@@ -74,7 +68,7 @@ def rms_ratio(
     result: Result, *, signal: Array, against: Result, other: Array, window: tuple[float, float] = (10.5, 15.0)
 ) -> float:
     """Root mean square of the norm over that of another case."""
-    return norm_rms(result, signal=signal, window=window) / norm_rms(against, signal=other, window=window)
+    return metrics.window_rms(result.t, signal, *window) / metrics.window_rms(against.t, other, *window)
 
 
 SIGNALS = {
@@ -85,4 +79,4 @@ SIGNALS = {
     "all_one_sided": all_one_sided,
     "rate_deception": rate_deception,
 }
-METRICS = {f.__name__: f for f in (at, norm_rms, stays_below, mean, rms_ratio)}
+METRICS = {f.__name__: f for f in (at, stays_below, mean, rms_ratio)}

@@ -58,20 +58,9 @@ def _disturbance_at_rest(result: Result) -> Array:
     return torque_B
 
 
-def recovery(result: Result, *, signal: Array, band: float, after: float, until: float) -> float:
-    """Time from `after` until the signal stays below `band`, as far as `until`, s; the sample at `after` is before."""
-    part = (result.t > after + 1e-9) & (result.t <= until + 1e-9)
-    return metrics.settling_time(result.t[part], signal[part], band, after) - after
-
-
-def ratio(result: Result, *, signal: Array, against: Result, other: Array, window: tuple[float, float]) -> float:
-    """Largest ``|signal|`` in a window over that of another case."""
-    return metrics.window_max(result.t, signal, *window) / metrics.window_max(against.t, other, *window)
-
-
 def settling_difference(result: Result, *, signal: Array, against: Result, other: Array, band: float) -> float:
     """Settling time to a band less that of another case, s."""
-    return metrics.settling_time(result.t, signal, band, 0.0) - metrics.settling_time(against.t, other, band, 0.0)
+    return metrics.settling_time(result.t, signal, band) - metrics.settling_time(against.t, other, band)
 
 
 def largest_increase(result: Result, *, signal: Array) -> float:
@@ -81,4 +70,4 @@ def largest_increase(result: Result, *, signal: Array) -> float:
 
 
 SIGNALS = {"z2": z2, "V2": lyapunov, "utilisation": utilisation}
-METRICS = {f.__name__: f for f in (recovery, ratio, settling_difference, largest_increase)}
+METRICS = {f.__name__: f for f in (settling_difference, largest_increase)}

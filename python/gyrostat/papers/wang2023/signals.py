@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrostat import metrics
 from gyrostat.results import Result
 
 Array = NDArray[np.float64]
@@ -32,11 +31,6 @@ def vector_norm_error(result: Result) -> Array:
     return np.asarray(np.abs(np.linalg.norm(result["truth.q_NB"], axis=1, keepdims=True) - 1.0))
 
 
-def lag(result: Result, *, signal: Array, band: float, onset: float) -> float:
-    """Time after `onset` from which ``|signal|`` stays below `band`, s."""
-    return metrics.settling_time(result.t, signal, band, onset) - onset
-
-
 def _late(result: Result, x: Array, window: tuple[float, float]) -> Array:
     return np.asarray(x[(result.t >= window[0] - 1e-9) & (result.t <= window[1] + 1e-9)])
 
@@ -59,17 +53,10 @@ def step_rms_ratio(
     return step_rms(result, signal=signal, window=window) / step_rms(against, signal=other, window=window)
 
 
-def largest_ratio(
-    result: Result, *, signal: Array, against: Result, other: Array, window: tuple[float, float]
-) -> float:
-    """Largest ``|signal|`` in a window over that of another case."""
-    return metrics.window_max(result.t, signal, *window) / metrics.window_max(against.t, other, *window)
-
-
 SIGNALS = {
     "fault_error": fault_error,
     "vector": vector,
     "vector_norm": vector_norm,
     "norm_error": vector_norm_error,
 }
-METRICS = {f.__name__: f for f in (lag, deviation, step_rms, step_rms_ratio, largest_ratio)}
+METRICS = {f.__name__: f for f in (deviation, step_rms, step_rms_ratio)}

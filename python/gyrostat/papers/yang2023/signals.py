@@ -83,7 +83,7 @@ def first_event_after(result: Result, *, name: str, after: float) -> float:
 def slew_settling(result: Result, *, signal: Array, band: float, window: tuple[float, float]) -> float:
     """Time from the start of a window until the signal stays below `band` to its end, s."""
     part = (result.t >= window[0] - 1e-9) & (result.t < window[1] - 1e-9)
-    return metrics.settling_time(result.t[part], signal[part], band, window[0]) - window[0]
+    return metrics.settling_time(result.t[part], signal[part], band, window[0])
 
 
 def _quiet(result: Result) -> NDArray[np.bool_]:
