@@ -10,7 +10,7 @@ OUT := out/report
 STEP := scripts/step
 FUZZ_SECONDS := 60
 CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.hpp' -o -name '*.cpp')
-PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake sundials_cfg -type f \
+PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
 .PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \

@@ -148,7 +148,7 @@ void bind_signals(py::module_& m) {
   def_per_actuator(a, "u", &Allocation<double>::u, "(n,) N m, issued command");
   def_vector(a, "demand_B", &Allocation<double>::demand_B, "(3,) N m, what was asked");
   def_vector(a, "achieved_B", &Allocation<double>::achieved_B, "(3,) N m, D diag(effectiveness) u");
-  def_mask(a, "saturated", &Allocation<double>::saturated, "actuators at a limit");
+  def_mask(a, "saturated", &Allocation<double>::saturated, "actuators at a limit, and not at rest");
   a.def_readwrite("gap", &Allocation<double>::gap);
   a.def_readwrite("worst_case", &Allocation<double>::worst_case, "N m");
   a.def_readwrite("iterations", &Allocation<double>::iterations);
@@ -185,7 +185,9 @@ void bind_attitude(py::module_& m) {
   m.def(
       "mrp_from_quat",
       [](const Rows& q) { return rowwise<4, 3>(q, "q", [](auto* i, auto* o) { put(mrp(q_at(i)), o); }); }, "q"_a,
-      "MRP of quaternions (..., 4), scalar first -> (..., 3). The sign of q decides which of the two sets comes out.");
+      "MRP of quaternions (..., 4), scalar first -> (..., 3). The sign of q decides which of the two sets comes out; a "
+      "full turn, "
+      "infinite in its set, gives zero.");
   m.def(
       "quat_from_mrp",
       [](const Rows& s) { return rowwise<3, 4>(s, "sigma", [](auto* i, auto* o) { put(quat_from_mrp(v_at(i)), o); }); },
@@ -193,11 +195,12 @@ void bind_attitude(py::module_& m) {
   m.def(
       "mrp_shadow",
       [](const Rows& s) { return rowwise<3, 3>(s, "sigma", [](auto* i, auto* o) { put(mrp_shadow(v_at(i)), o); }); },
-      "sigma"_a, "The other MRP (..., 3) of the same attitude.");
+      "sigma"_a, "The other MRP (..., 3) of the same attitude; zero, whose other one is infinite, stays.");
   m.def(
       "euler_from_quat",
       [](const Rows& q) { return rowwise<4, 3>(q, "q", [](auto* i, auto* o) { put(euler(q_at(i)), o); }); }, "q"_a,
-      "Roll, pitch, yaw (..., 3) in rad of quaternions (..., 4), scalar first; 3-2-1 sequence.");
+      "Roll, pitch, yaw (..., 3) in rad of quaternions (..., 4), scalar first; 3-2-1 sequence. Yaw is zero at pitch "
+      "+-pi/2.");
   m.def(
       "quat_from_euler",
       [](const Rows& a) {

@@ -64,7 +64,7 @@ const char* code_name(Status<double>::Code code) {
 
 py::list check(const py::dict& scenario, const py::dict& components) {
   py::list rows;
-  for (const host::CheckRow& r : host::check(to_table(scenario), python_components(components))) {
+  for (const host::CheckRow& r : host::check(to_table(scenario), python_components(components, Use::look))) {
     rows.append(py::dict("where"_a = r.where, "name"_a = r.name, "ok"_a = r.status.ok(),
                          "code"_a = code_name(r.status.code), "quantity"_a = r.status.quantity,
                          "value"_a = r.status.value, "limit"_a = r.status.limit, "relation"_a = r.status.relation));
@@ -72,11 +72,15 @@ py::list check(const py::dict& scenario, const py::dict& components) {
   return rows;
 }
 
+py::dict channel(const host::ChannelInfo& c) {
+  return py::dict("name"_a = c.name, "size"_a = c.size, "unit"_a = c.unit, "meaning"_a = c.meaning,
+                  "dimension"_a = c.dimension);
+}
+
 py::list channel_names(const py::dict& scenario, const py::dict& components) {
   py::list rows;
-  for (const host::ChannelInfo& c : host::channels(to_table(scenario), python_components(components))) {
-    rows.append(py::dict("name"_a = c.name, "size"_a = c.size, "unit"_a = c.unit, "meaning"_a = c.meaning));
-  }
+  for (const host::ChannelInfo& c : host::channels(to_table(scenario), python_components(components, Use::look)))
+    rows.append(channel(c));
   return rows;
 }
 
@@ -98,7 +102,7 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
                   const std::optional<std::vector<std::string>>& channels, std::size_t every,
                   const py::object& progress, bool record) {
   const host::Table table = to_table(scenario);
-  const host::ExternalComponents external = python_components(components);
+  const host::ExternalComponents external = python_components(components, Use::fly);
   host::RunOptions options;
   options.every = every;
   options.record = record;
@@ -114,17 +118,20 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
     result = host::simulate(table, external, options);
   }
   py::dict arrays;
+  py::list meta;
   const py::ssize_t rows = static_cast<py::ssize_t>(result.t.size());
   for (host::Recorder::Channel& c : result.channels) {
     std::vector<py::ssize_t> shape{rows};
     if (c.info.size != 1) shape.push_back(c.info.size);
     arrays[py::str(c.info.name)] = array_of(std::move(c.data), shape);
+    meta.append(channel(c.info));
   }
   py::list events;
   for (const host::Event& e : result.events)
     events.append(py::dict("t"_a = e.t, "name"_a = e.name, "count"_a = e.count));
-  return py::dict("t"_a = array_of(std::move(result.t), {rows}), "channels"_a = arrays, "events"_a = events,
-                  "status"_a = end_name(result.end.code), "cause"_a = result.end.cause, "end_time"_a = result.end.time,
+  return py::dict("t"_a = array_of(std::move(result.t), {rows}), "channels"_a = arrays, "meta"_a = meta,
+                  "events"_a = events, "status"_a = end_name(result.end.code), "cause"_a = result.end.cause,
+                  "end_time"_a = result.end.time,
                   "statistics"_a = py::dict("steps"_a = result.statistics.steps,
                                             "rhs_evaluations"_a = result.statistics.rhs_evaluations,
                                             "restarts"_a = result.statistics.restarts));
@@ -211,7 +218,7 @@ void bind_host(py::module_& m) {
   m.def(
       "resolve",
       [](const py::dict& scenario, const py::dict& components) {
-        return to_python(host::resolve(to_table(scenario), python_components(components)));
+        return to_python(host::resolve(to_table(scenario), python_components(components, Use::look)));
       },
       "scenario"_a, "components"_a = py::dict(), "The scenario with every default filled in.");
   m.def("channel_names", &channel_names, "scenario"_a, "components"_a = py::dict(),

@@ -50,11 +50,11 @@ void copy_numbers(const py::object& from, Eigen::Index n, Vector& out, const std
 template <class Base>
 class PythonModel : public Base {
  public:
-  PythonModel(const py::object& object, const Setup<double>& setup, const char* role)
+  PythonModel(const py::object& object, const Setup<double>& setup, const char* role, Use use)
       : setup_(setup), who_(std::string(role) + " " + class_name(object) + ".step"), object_(hold(object)) {
     if (!py::hasattr(object, "step"))
       throw std::invalid_argument(std::string(role) + ": " + class_name(object) + " has no step(...)");
-    if (py::hasattr(object, "setup")) object.attr("setup")(setup);
+    if (use == Use::fly && py::hasattr(object, "setup")) object.attr("setup")(setup);
     step_ = hold(object.attr("step"));
     start_ = py::hasattr(object, "start") ? hold(object.attr("start")) : nullptr;
   }
@@ -149,8 +149,8 @@ class PythonController final : public PythonModel<host::ControllerBase> {
 
 class PythonAllocator final : public PythonModel<host::AllocatorBase> {
  public:
-  PythonAllocator(const py::object& object, const Setup<double>& setup, const char* role)
-      : PythonModel(object, setup, role) {
+  PythonAllocator(const py::object& object, const Setup<double>& setup, const char* role, Use use)
+      : PythonModel(object, setup, role, use) {
     reset_ = py::hasattr(object, "reset") ? hold(object.attr("reset")) : nullptr;
   }
   void reset() final {
@@ -178,18 +178,18 @@ class PythonAllocator final : public PythonModel<host::AllocatorBase> {
 };
 
 template <class Model, class Base>
-std::function<std::unique_ptr<Base>(const Setup<double>&)> factory(const py::dict& objects, const char* role) {
+std::function<std::unique_ptr<Base>(const Setup<double>&)> factory(const py::dict& objects, const char* role, Use use) {
   if (!objects.contains(role)) return {};
   const std::shared_ptr<py::object> object(new py::object(objects[role]), Release{});
-  return [object, role](const Setup<double>& setup) -> std::unique_ptr<Base> {
+  return [object, role, use](const Setup<double>& setup) -> std::unique_ptr<Base> {
     const py::gil_scoped_acquire gil;
-    return std::make_unique<Model>(*object, setup, role);
+    return std::make_unique<Model>(*object, setup, role, use);
   };
 }
 
 }  // namespace
 
-host::ExternalComponents python_components(const py::dict& objects) {
+host::ExternalComponents python_components(const py::dict& objects, Use use) {
   for (const auto& [key, value] : objects) {
     const std::string role = py::cast<std::string>(key);
     if (role != "observer" && role != "detector" && role != "controller" && role != "allocator") {
@@ -197,10 +197,10 @@ host::ExternalComponents python_components(const py::dict& objects) {
                                   "'; there are: observer, detector, controller, allocator");
     }
   }
-  return {factory<PythonObserver, host::ObserverBase>(objects, "observer"),
-          factory<PythonDetector, host::DetectorBase>(objects, "detector"),
-          factory<PythonController, host::ControllerBase>(objects, "controller"),
-          factory<PythonAllocator, host::AllocatorBase>(objects, "allocator")};
+  return {factory<PythonObserver, host::ObserverBase>(objects, "observer", use),
+          factory<PythonDetector, host::DetectorBase>(objects, "detector", use),
+          factory<PythonController, host::ControllerBase>(objects, "controller", use),
+          factory<PythonAllocator, host::AllocatorBase>(objects, "allocator", use)};
 }
 
 }  // namespace gyrostat::bindings

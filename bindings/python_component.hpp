@@ -3,7 +3,8 @@
 ///        exception raised there ends the run and reaches the caller unchanged.
 ///
 /// An object has `step(...)` with the arguments of its role, and may have `setup(setup)`, called once before the run,
-/// `start(...)`, called at the first sample instead of `step`, and `reset()` (allocators). Docs: docs/extending.md
+/// `start(...)`, called at the first sample instead of `step`, and `reset()` (allocators). An object flies one run: who
+/// flies several copies it (Scenario.run does). Docs: docs/extending.md
 #pragma once
 #include <pybind11/pybind11.h>
 
@@ -11,7 +12,10 @@
 
 namespace gyrostat::bindings {
 
+/// What components are made for: only a run calls an object's `setup`.
+enum class Use { fly, look };
+
 /// Components for the roles of `objects` (observer, detector, controller, allocator -> object). Needs the GIL.
-host::ExternalComponents python_components(const pybind11::dict& objects);
+host::ExternalComponents python_components(const pybind11::dict& objects, Use use);
 
 }  // namespace gyrostat::bindings

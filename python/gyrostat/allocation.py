@@ -54,7 +54,7 @@ class Solutions:
     residual_weight
         (...) as used: beyond 1e8 times the effort weights it is capped.
     saturated
-        (..., n) commands that sit on a limit.
+        (..., n) commands that sit on a limit, and are not at rest (zero).
     status
         (...) ``optimal``, ``optimal_reduced`` (the demand is not delivered in full), ``cap_reached`` or ``bad_input``
         (not a problem: the previous command of the batch clipped, or zero).

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Metrics of a run. The functions live in C++, once, and serve single runs, claims and campaigns alike.
 
-Times are absolute, in seconds; a signal has shape (n,) or (n, k), and its size at an instant is the largest ``|x_i|``.
+Instants and windows are absolute, in seconds; a settling time is counted from the instant ``after``, which is the last
+fault in `Metrics` and zero in the function unless given. A signal has shape (n,) or (n, k), and its size at an instant is
+the largest ``|x_i|``. Claims (`gyrostat.papers`) measure with the same functions under the same names.
 """
 
 from __future__ import annotations
@@ -9,19 +11,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from gyrostat._core import (
     energy,
     first_reach,
     fraction_at_least,
     settling_time,
     total_variation,
+    window_highest,
+    window_lowest,
     window_max,
-    window_max_norm,
-    window_min,
+    window_norm,
     window_rms,
-    window_upper,
 )
 
 if TYPE_CHECKING:
@@ -42,9 +42,9 @@ class Metrics:
 
     @property
     def last_fault(self) -> float:
-        """Onset of the last fault, s; 0 without faults."""
-        faults = self._result.description.get("faults", [])
-        return max((float(fault.get("t_on", 0.0)) for fault in faults), default=0.0)
+        """Onset of the last fault that the run saw, s; 0 without faults."""
+        onsets = [float(fault.get("t_on", 0.0)) for fault in self._result.description.get("faults", [])]
+        return max((t_on for t_on in onsets if t_on < self._result.end_time), default=0.0)
 
     @property
     def settling_time(self) -> float:
@@ -53,8 +53,7 @@ class Metrics:
 
     def settling(self, band: float = DEFAULT_BAND, signal: str = "error.angle") -> float:
         """Time from the last fault until a signal stays inside a band to the end, s; nan if it does not."""
-        onset = self.last_fault
-        return settling_time(self._result.t, self._result[signal], band, onset) - onset
+        return settling_time(self._result.t, self._result[signal], band, self.last_fault)
 
     @property
     def pointing_error(self) -> float:
@@ -86,13 +85,9 @@ class Metrics:
 
     @property
     def saturated_fraction(self) -> float:
-        """Fraction of samples at which at least one command stands at its limit."""
-        t, u = self._result.t, self._result["allocation.u"]
-        vehicle = self._result.description["vehicle"]
-        upper = np.broadcast_to(vehicle.get("u_max", np.inf), u.shape[1:])
-        lower = np.broadcast_to(vehicle.get("u_min", -upper), u.shape[1:])
-        used = np.where(u > 0.0, u / np.where(upper == 0.0, np.inf, upper), u / np.where(lower == 0.0, np.inf, lower))
-        return fraction_at_least(t, used, 1.0, t[0], t[-1])
+        """Fraction of samples at which ``allocation.saturated`` names an actuator: at a limit, and not at rest."""
+        t = self._result.t
+        return fraction_at_least(t, self._result["allocation.saturated"], 1.0, t[0], t[-1])
 
     def to_dict(self) -> dict[str, float | None]:
         """All of them by name; None where a channel was not recorded or the value is not finite."""
@@ -126,9 +121,9 @@ __all__ = [
     "fraction_at_least",
     "settling_time",
     "total_variation",
+    "window_highest",
+    "window_lowest",
     "window_max",
-    "window_max_norm",
-    "window_min",
+    "window_norm",
     "window_rms",
-    "window_upper",
 ]

@@ -64,16 +64,17 @@ class Result:
     statistics: Mapping[str, Any] = field(default_factory=dict)
     """Work of the integrator: steps, evaluations, restarts."""
     meta: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    """Unit and meaning of each channel."""
+    """Unit, meaning and dimension of each channel."""
+    components: Mapping[str, Any] = field(default_factory=dict)
+    """The Python components that flew, by role, as the run left them: copies of the scenario's. Not saved."""
 
     @classmethod
-    def from_core(cls, scenario: Scenario, raw: Mapping[str, Any]) -> Result:
-        """From what the compiled loop returns."""
-        recorded = raw["channels"]
-        meta = {c["name"]: c for c in scenario.channel_names() if c["name"] in recorded}
+    def from_core(cls, scenario: Scenario, raw: Mapping[str, Any], components: Mapping[str, Any]) -> Result:
+        """From what the compiled loop returns, and the Python components that it flew."""
+        meta = {c["name"]: c for c in raw["meta"]}
         events = tuple(Event(e["t"], e["name"], e["count"]) for e in raw["events"])
         ending = {key: raw[key] for key in ("status", "cause", "end_time", "statistics")}
-        return cls(scenario, raw["t"], recorded, events, meta=meta, **ending)
+        return cls(scenario, raw["t"], raw["channels"], events, meta=meta, components=components, **ending)
 
     def __getitem__(self, name: str) -> Array:
         return self.channels[self.full_name(name)]
@@ -132,15 +133,26 @@ class Result:
         return Metrics(self)
 
     def to_xarray(self) -> xarray.Dataset:
-        """A labelled data set: dimension ``t`` and one a channel with several columns; units as attributes."""
+        """A labelled data set, so that channels can be put together: units and meanings are attributes.
+
+        Dimensions are ``time`` (s) and, shared by all channels, ``axis`` (x, y, z), ``quaternion`` (w, x, y, z) and
+        ``actuator`` (counted from 0). Columns that are none of these have a dimension of their own, ``<channel>_i``.
+        """
         import xarray
 
-        variables = {
-            name: (("t",) if x.ndim == 1 else ("t", f"{name}_i"), x, dict(_labels(self.meta.get(name, {}))))
-            for name, x in self.channels.items()
-        }
+        coordinates: dict[str, Any] = {"time": ("time", self.t, {"unit": "s"})}
+        variables = {}
+        for name, x in self.channels.items():
+            meta = self.meta.get(name, {})
+            dimensions = ["time"]
+            if x.ndim > 1:
+                labels = _labels(str(meta.get("dimension", "")), x.shape[1])
+                dimensions.append(str(meta["dimension"]) if labels else f"{name}_i")
+                if labels:
+                    coordinates[dimensions[-1]] = labels
+            variables[name] = (dimensions, x, {key: meta[key] for key in ("unit", "meaning") if meta.get(key)})
         attributes = {"status": self.status, "cause": self.cause, "scenario": json.dumps(self.description)}
-        return xarray.Dataset(variables, coords={"t": ("t", self.t, {"unit": "s"})}, attrs=attributes)
+        return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
 
     def save(self, path: str | Path) -> Path:
         """Write everything to one ``.npz`` file, readable with plain numpy too.
@@ -207,7 +219,9 @@ def _is_plain(value: Any) -> bool:
     return isinstance(value, bool | int | float | str | list | dict)
 
 
-def _labels(meta: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    for key in ("unit", "meaning"):
-        if meta.get(key):
-            yield key, str(meta[key])
+def _labels(dimension: str, size: int) -> list[str] | list[int]:
+    """Labels of the columns of a channel; none when they are no dimension that channels share."""
+    if dimension == "actuator":
+        return list(range(size))
+    labels = list({"axis": "xyz", "quaternion": "wxyz"}.get(dimension, ""))
+    return labels if len(labels) == size else []

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -236,6 +237,9 @@ class Scenario(Model):
     ) -> Result:
         """Fly it. The loop runs without Python's global lock: threads run scenarios in parallel.
 
+        A Python component flies as a copy of its own (`copy.deepcopy`), so that runs do not touch each other, nor the
+        scenario: the same numbers come out however often and wherever it is flown. `Result.components` holds what flew.
+
         Parameters
         ----------
         channels
@@ -250,17 +254,23 @@ class Scenario(Model):
         -------
         Result
             Also of a run that ended early (see `Result.status`): what happened up to there.
+
+        Raises
+        ------
+        InputError
+            A channel that does not exist, or a Python component that cannot be copied.
         """
         from gyrostat.results import Result
 
         tables, components = self._split()
+        components = _copies(components)
         chosen = None if channels is None else list(channels)
         if components:  # what a Python component raises reaches the caller as it is
             raw = _core.simulate(tables, components, chosen, every, progress)
         else:
             with input_errors():
                 raw = _core.simulate(tables, components, chosen, every, progress)
-        return Result.from_core(self, raw)
+        return Result.from_core(self, raw, components)
 
     def _python_components(self) -> dict[str, object]:
         found = {role: getattr(self, role) for role in _roles}
@@ -270,6 +280,26 @@ class Scenario(Model):
         """Tables for the host, and the Python objects that they refer to by ``type = "python"``."""
         components = self._python_components()
         return {**self.to_dict(), **{role: {"type": "python"} for role in components}}, components
+
+
+def _copies(components: dict[str, object]) -> dict[str, object]:
+    """Copies for one run. They are taken together: what two components share, their copies share too."""
+    try:
+        return copy.deepcopy(components)
+    except Exception as error:
+        role, culprit = next(((r, c) for r, c in components.items() if not _can_be_copied(c)), ("", components))
+        raise InputError(
+            f"{role} {type(culprit).__name__} cannot be copied ({' '.join(str(error).split())}); a run flies its own copy "
+            "of a Python component: take out what has no copy, or give the class a __deepcopy__"
+        ) from None
+
+
+def _can_be_copied(component: object) -> bool:
+    try:
+        copy.deepcopy(component)
+    except Exception:
+        return False
+    return True
 
 
 def find(name: str | Path) -> Path:

@@ -29,6 +29,9 @@ quaternions = st.tuples(*[_component] * 4).filter(lambda q: np.linalg.norm(q) > 
 vectors = st.tuples(*[st.floats(-3.0, 3.0, allow_subnormal=False)] * 3).map(np.array)
 
 
+_lengths = st.floats(-200.0, 200.0).map(lambda decade: 10.0**decade)
+
+
 def scipy_of(q: np.ndarray) -> Rotation:
     return Rotation.from_quat(np.roll(q, -1, axis=-1))
 
@@ -82,6 +85,57 @@ def test_euler_angles_make_the_same_rotation(angles: tuple[float, float, float])
     ours = attitude.quat_from_euler(np.array(angles))
     expected = np.roll(Rotation.from_euler("ZYX", (yaw, pitch, roll)).as_quat(), 1)
     np.testing.assert_allclose(ours * np.sign(ours @ expected), expected, atol=TIGHT)
+
+
+@given(quaternions, _lengths)
+def test_a_quaternion_of_any_length_stands_for_its_direction(q: np.ndarray, length: float) -> None:
+    long = length * q
+    np.testing.assert_allclose(attitude.dcm_from_quat(long), attitude.dcm_from_quat(q), atol=TIGHT)
+    np.testing.assert_allclose(attitude.rotation_angle(long), attitude.rotation_angle(q), atol=TIGHT)
+    one, other = attitude.rotation_vector_from_quat(long), attitude.rotation_vector_from_quat(q)
+    assert min(np.abs(one - other).max(), np.abs(one + other).max() if q[0] == 0.0 else math.inf) < TIGHT
+    np.testing.assert_allclose(scipy_euler_matrix(attitude.euler_from_quat(long)), attitude.dcm_from_quat(q), atol=TIGHT)
+    one, other = attitude.mrp_from_quat(long), attitude.mrp_from_quat(q)
+    # near a full turn sigma goes with 1 / |v|, and so does what rounding of q is worth
+    np.testing.assert_allclose(one, other, rtol=TIGHT, atol=TIGHT * (1.0 + other @ other))
+
+
+def scipy_euler_matrix(angles: np.ndarray) -> np.ndarray:
+    """C_BN of roll, pitch, yaw."""
+    return Rotation.from_euler("ZYX", angles[::-1]).as_matrix().T
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("from_lock_deg", [0.0, 1e-9, 1e-6, 6e-5, 1e-3, 0.1, 5.0])
+def test_euler_angles_hold_at_and_around_the_lock(side: float, from_lock_deg: float) -> None:
+    """Rounded to float32, as it is read from a file: scipy's rotation of the angles is that of the quaternion."""
+    pitch = side * math.radians(90.0 - from_lock_deg)
+    for roll, yaw in np.random.default_rng(5).uniform(-3.1, 3.1, size=(50, 2)):
+        q = np.roll(Rotation.from_euler("ZYX", (yaw, pitch, roll)).as_quat(), 1)
+        for given_q in (q, q.astype(np.float32).astype(np.float64)):
+            angles = attitude.euler_from_quat(given_q)
+            np.testing.assert_allclose(scipy_euler_matrix(angles), scipy_of(given_q).as_matrix().T, rtol=0, atol=TIGHT)
+            assert abs(angles[1] - pitch) < 4e-4  # float32 moves q by 6e-8, and pitch by the root of it at the lock
+
+
+def test_full_turns_have_the_nearest_mrp_that_exists() -> None:
+    np.testing.assert_array_equal(attitude.mrp_from_quat(np.array([-1.0, 0.0, 0.0, 0.0])), np.zeros(3))
+    np.testing.assert_allclose(attitude.mrp_from_quat(np.array([-1.0, 1e-9, 0.0, 0.0])), [2e9, 0.0, 0.0], rtol=1e-15)
+    np.testing.assert_array_equal(attitude.mrp_shadow(np.zeros(3)), np.zeros(3))
+    np.testing.assert_allclose(attitude.mrp_shadow(np.array([0.0, 0.0, 1e-200])), [0.0, 0.0, -1e200], rtol=1e-15)
+    np.testing.assert_allclose(attitude.quat_from_mrp(np.array([1e200, 0.0, 0.0])), [-1.0, 2e-200, 0.0, 0.0], rtol=1e-15)
+
+
+@pytest.mark.parametrize("q", [[0.0] * 4, [1.0, math.inf, 0.0, 0.0], [math.nan, 0.0, 0.0, 1.0]])
+def test_what_describes_no_attitude_gives_nan(q: list[float]) -> None:
+    for function in (
+        attitude.dcm_from_quat,
+        attitude.mrp_from_quat,
+        attitude.euler_from_quat,
+        attitude.rotation_angle,
+        attitude.rotation_vector_from_quat,
+    ):
+        assert np.isnan(function(np.array(q))).all()
 
 
 def test_every_conversion_works_on_stacks_of_any_shape() -> None:

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import re
 import tomllib
+from collections.abc import Iterator
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
@@ -15,6 +17,7 @@ import numpy as np
 import pytest
 
 import gyrostat as gs
+from gyrostat import cli
 
 ROOT = Path(__file__).parents[2]
 
@@ -31,6 +34,8 @@ def _load(path: str) -> ModuleType:
 
 docs = _load("scripts/docs")
 PAGES = docs.pages()
+FOLDERS = ("benchmarks", "bindings", "cmake", "cpp", "docs", "examples", "python", "scripts", "sundials_cfg", "tests")
+EVERY_PAGE = [*sorted(ROOT.glob("*.md")), *sorted(p for folder in FOLDERS for p in (ROOT / folder).rglob("*.md"))]
 
 
 def name(page: Path) -> str:
@@ -43,8 +48,19 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def prose(page: Path) -> str:
     """The text without its blocks of code."""
+    return without_code(page.read_text(encoding="utf-8"))
+
+
+def without_code(text: str) -> str:
     fenced = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
-    return re.sub(r"^    .*$", "", fenced.sub("", page.read_text(encoding="utf-8")), flags=re.MULTILINE)
+    return re.sub(r"^    .*$", "", fenced.sub("", text), flags=re.MULTILINE)
+
+
+def code(page: Path) -> list[str]:
+    """Every piece of code of a page: spans in a line, and the lines of its blocks."""
+    text = page.read_text(encoding="utf-8")
+    blocks = re.findall(r"^```.*?\n(.*?)^```", text, re.DOTALL | re.MULTILINE) + re.findall(r"^    (.*)$", text, re.MULTILINE)
+    return re.findall(r"`([^`\n]+)`", without_code(text)) + [line for block in blocks for line in block.splitlines()]
 
 
 def heading_anchors(page: Path) -> set[str]:
@@ -68,23 +84,167 @@ def test_quoted_code_stands_in_its_file(page: Path) -> None:
     assert not list(docs.misquoted(page.read_text(encoding="utf-8"), page))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name)
-def test_links_lead_somewhere(page: Path) -> None:
-    for link in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
+def broken_links(text: str, page: Path) -> Iterator[str]:
+    """Links of a page that lead to no file, or to no heading of it."""
+    for link in re.findall(r"\]\(([^)\s]+)\)", without_code(text)):
         if re.match(r"[a-z]+:", link):
             continue
         path, _, anchor = link.partition("#")
         target = (page.parent / path).resolve() if path else page
-        assert target.exists(), f"{name(page)} links to {link}"
-        if anchor:
-            assert anchor in heading_anchors(target), f"{name(page)} links to {link}"
+        if not target.exists() or (anchor and anchor not in heading_anchors(target)):
+            yield f"{name(page)} links to {link}"
 
 
-def test_pages_that_the_code_names_exist() -> None:
-    sources = [p for layer in ("cpp", "bindings", "python", "examples") for p in (ROOT / layer).rglob("*.[chpt]*")]
-    for source in sources:
-        for named in re.findall(r"docs/[\w/]+\.md", source.read_text(encoding="utf-8", errors="ignore")):
-            assert (ROOT / named).exists(), f"{name(source)} names {named}"
+@pytest.mark.parametrize("page", EVERY_PAGE, ids=name)
+def test_links_lead_somewhere(page: Path) -> None:
+    assert not list(broken_links(page.read_text(encoding="utf-8"), page))
+
+
+def crooked_tables(text: str) -> Iterator[str]:
+    """Rows that do not belong to a table, or have more or fewer cells than its head.
+
+    A bar ends a cell, also inside code; ``\\|`` does not.
+    """
+    width = 0
+    lines = without_code(text).splitlines()
+    for line, following in zip(lines, [*lines[1:], ""], strict=True):
+        if not line.startswith("|"):
+            width = 0
+            continue
+        cells = len(re.findall(r"(?<!\\)\|", line)) - 1
+        if width == 0 and not re.fullmatch(r"(\| *:?-+:? *)+\|", following):
+            yield f"a row without a head: {line}"
+        elif width and cells != width:
+            yield f"{cells} cells in a table of {width}: {line}"
+        width = width or cells
+
+
+@pytest.mark.parametrize("page", EVERY_PAGE, ids=name)
+def test_tables_are_whole(page: Path) -> None:
+    assert not list(crooked_tables(page.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("| a | b |\n| --- | --- |\n| 1 | 2 |\n\n| 3 | 4 |\n", "a row without a head: | 3 | 4 |"),
+        ("| `|q|` | b |\n| --- | --- |\n| 1 | 2 |\n", "2 cells in a table of 4: | --- | --- |"),
+        ("| a | b |\n| --- | --- |\n| `|q|` | 2 |\n", "4 cells in a table of 2: | `|q|` | 2 |"),
+    ],
+)
+def test_a_crooked_table_is_noticed(text: str, says: str) -> None:
+    assert says in crooked_tables(text)
+    assert not list(crooked_tables("| `\\|q\\|` | b |\n| --- | --- |\n| 1 | 2 |\n\ntext\n"))
+
+
+def test_a_link_to_nowhere_is_noticed() -> None:
+    page = ROOT / "examples" / "embedded" / "README.md"
+    assert list(broken_links("[a](../../docs/flight_software.md#on-an-emulated-microcontroller)", page))
+    assert list(broken_links("[a](nowhere.md)", page))
+    assert not list(broken_links("[a](../../docs/flight_software.md#on-a-microcontroller)", page))
+
+
+MAKE_TARGETS = set(re.findall(r"^([a-z][\w-]*):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+PRESETS = {p["name"] for p in json.loads((ROOT / "CMakePresets.json").read_text(encoding="utf-8"))["configurePresets"]}
+CPP_TESTS = (ROOT / "tests" / "cpp" / "CMakeLists.txt").read_text(encoding="utf-8")
+CPP_TARGETS = {
+    f"test_{folder.replace('/', '_')}_{test}"
+    for folder, test in re.findall(r"^gyrostat_test\(([\w/]+) (\w+)", CPP_TESTS, re.MULTILINE)
+}
+FILES = {
+    path.relative_to(ROOT).as_posix()
+    for folder in (*FOLDERS, ".")
+    for path in ((ROOT / folder).rglob("*") if folder != "." else ROOT.glob("*"))
+    if path.is_file()
+}
+SOURCES_OF_TESTS = "\n".join(
+    (ROOT / path).read_text(encoding="utf-8") for path in sorted(FILES) if re.match(r"tests/.*\.(cpp|hpp|txt)$", path)
+)
+
+
+def unknown_names(piece: str) -> Iterator[str]:
+    """Make targets, presets, test programs, tests and files that a piece of code names and that are not there.
+
+    ``my_...`` is the reader's own.
+    """
+    for target in re.findall(r"^(?:[\w=]+ )?make ([a-z][\w-]*)", piece):
+        if target not in MAKE_TARGETS:
+            yield f"make target '{target}'"
+    for preset in re.findall(r"--preset (\w[\w-]*)", piece):
+        if preset not in PRESETS:
+            yield f"preset '{preset}'"
+    for target in re.findall(r"--target (\w+)", piece):
+        if target not in CPP_TARGETS and target not in _GENERATED:
+            yield f"target '{target}'"
+    for path in re.findall(r"(?<![\w/.<>@*-])((?:%s)/[\w./-]+\.\w+)" % "|".join(FOLDERS), piece):
+        if path not in FILES and "my_" not in path:
+            yield f"file '{path}'"
+    for file in re.findall(r"(?<![\w/])((?:[\w]+/)*test_\w+(?:\.\w+)?)", piece):
+        whole = "." in file
+        known = any(f.endswith(f"/{file}") for f in FILES) if whole else file in CPP_TARGETS or f"/{file}.cpp" in _ENDS
+        if not known and "my_" not in file and not file.startswith("tests/"):
+            yield f"test '{file}'"
+
+
+_GENERATED = {"all_verify_interface_header_sets"}
+_ENDS = "\n".join(f"/{f}" for f in FILES)
+
+
+@pytest.mark.parametrize("page", EVERY_PAGE, ids=name)
+def test_named_targets_presets_tests_and_files_are_there(page: Path) -> None:
+    assert not [missing for piece in code(page) for missing in unknown_names(piece)]
+
+
+@pytest.mark.parametrize("page", EVERY_PAGE, ids=name)
+def test_named_cpp_tests_are_there(page: Path) -> None:
+    """``Suite.Test``, or a test's name alone; ``...`` stands for what is left out."""
+    known = set(re.findall(r"TEST(?:_F|_P)?\((\w+), (\w+)\)", SOURCES_OF_TESTS))
+    suites, tests = {suite for suite, _ in known}, {test for _, test in known}
+    for piece in re.findall(r"`([^`\n]+)`", prose(page)):
+        dotted = re.fullmatch(r"(?:\w+\.)?([A-Z]\w+)\.([A-Z]\w+)", piece)
+        if dotted and dotted[1] in suites:
+            assert (dotted[1], dotted[2]) in known, f"{name(page)} names {piece}"
+        alone = re.fullmatch(r"(\.\.\.)?([A-Z][a-z]+(?:[A-Z0-9][a-z0-9]*){3,})(\.\.\.)?", piece)
+        if alone and not _is_a_type(alone[2]):
+            fits = re.compile(f"{'.*' if alone[1] else ''}{alone[2]}{'.*' if alone[3] else ''}")
+            assert any(fits.fullmatch(test) for test in tests), f"{name(page)} names {piece}"
+
+
+def _is_a_type(word: str) -> bool:
+    return any(re.search(rf"(?:class|struct) {word}\b", (ROOT / f).read_text(encoding="utf-8")) for f in _HEADERS)
+
+
+_HEADERS = [f for f in sorted(FILES) if f.startswith("cpp/") and f.endswith(".hpp")]
+
+
+@pytest.mark.parametrize(
+    "piece",
+    [
+        "make embeded",
+        "cmake --preset debug",
+        "cmake --build --preset dev --target test_flight_stack && build/dev/tests/cpp/test_flight_stack",
+        "tests/cpp/flight/controllers/test_nominal_law.cpp",
+        "docs/law.md",
+        "test_nothing.py",
+    ],
+)
+def test_a_name_of_nothing_is_noticed(piece: str) -> None:
+    assert list(unknown_names(piece))
+
+
+def test_subcommands_that_pages_name_are_there() -> None:
+    known = {c.name or c.callback.__name__ for c in cli.app.registered_commands if c.callback}
+    for page in EVERY_PAGE:
+        for piece in code(page):
+            for command in re.findall(r"^(?:\$ )?gyrostat ([a-z]\w*)", piece):
+                assert command in known, f"{name(page)} names gyrostat {command}"
+
+
+def test_pages_and_tests_that_the_code_names_exist() -> None:
+    for source in sorted(f for f in FILES if re.search(r"\.(cpp|hpp|h|c|py|pyi|toml|txt|cmake|in)$", f)):
+        text = (ROOT / source).read_text(encoding="utf-8", errors="ignore")
+        for named in re.findall(r"(?<![\w/])(?:docs/[\w/]+\.md|tests/[\w/]+\.(?:cpp|hpp|py|csv))", text):
+            assert named in FILES or source == "tests/python/test_docs.py", f"{source} names {named}"
 
 
 def test_the_figure_shows_what_the_scenario_does() -> None:

@@ -157,6 +157,8 @@ def test_a_unit_has_the_names_of_the_catalogue(unit: Unit) -> None:
     assert described.defaultExperiment.stepSize == str(code.dt)
     with zipfile.ZipFile(path) as packed:
         assert {"sources/fmu.cpp", "sources/include/gyrostat/flight/stack.hpp"} <= set(packed.namelist())
+        assert b"MIT License" in packed.read("documentation/licenses/gyrostat.txt")
+        assert b"Mozilla Public License" in packed.read("documentation/licenses/eigen.txt")
 
 
 def test_parameters_of_a_unit_are_those_of_the_scenario(wheel2: Unit, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 import gyrostat as gs
 from gyrostat import papers
+from gyrostat.papers import measures
 from gyrostat.papers.li2018 import signals
 
 Array = NDArray[np.float64]
@@ -137,9 +138,9 @@ def test_metrics_of_the_study_on_made_up_signals() -> None:
     t = np.linspace(0.0, 10.0, 1001)
     result = gs.Result({"duration": 10.0}, t, {}, end_time=10.0)
     bump = np.where((t > 2.0 + 1e-9) & (t < 2.055), 1.0, 0.0)  # the samples 2.01 ... 2.05
-    assert signals.recovery(result, signal=bump, band=0.5, after=2.0, until=9.0) == pytest.approx(0.06, abs=1e-9)
-    assert signals.recovery(result, signal=bump, band=2.0, after=2.0, until=9.0) == pytest.approx(0.01, abs=1e-9)
-    assert np.isnan(signals.recovery(result, signal=1.0 - bump, band=0.5, after=5.0, until=9.0))
+    assert measures.recovery(result, signal=bump, band=0.5, after=2.0, until=9.0) == pytest.approx(0.06, abs=1e-9)
+    assert measures.recovery(result, signal=bump, band=2.0, after=2.0, until=9.0) == pytest.approx(0.01, abs=1e-9)
+    assert np.isnan(measures.recovery(result, signal=1.0 - bump, band=0.5, after=5.0, until=9.0))
     assert signals.largest_increase(result, signal=-t) == pytest.approx(-0.01)
     assert signals.largest_increase(result, signal=bump) == 1.0
     twice = gs.Result({"duration": 10.0}, t, {}, end_time=10.0)

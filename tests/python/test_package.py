@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import importlib.metadata
+import re
 import subprocess
 import sys
+import tarfile
 from pathlib import Path
 
 import pytest
@@ -38,6 +41,65 @@ def test_every_public_name_is_there(name: str) -> None:
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'scenaro'"):
         _ = gs.scenaro
+
+
+def test_the_embedded_contract_flies_every_flight_component_of_the_catalogue() -> None:
+    """No heap, no exceptions, float and double: what those tests must hold for is a list of types in C++."""
+    cpp = ROOT / "tests" / "cpp"
+    stacks = [cpp / "contract" / "stacks.hpp", cpp / "contract" / "every_component.hpp"]
+    files = {role: stacks for role in ("observer", "detector", "controller", "allocator")}
+    files["allocator"] = [*stacks, cpp / "flight" / "allocators" / "test_optimal_allocators.cpp"]
+    for role, sources in files.items():
+        flown = set(re.findall(r"(\w+)<S>", "\n".join(path.read_text() for path in sources)))
+        for name in _core.catalogue()[role]:
+            scenario = gs.Scenario.load("ftc_4rw").replace(**{role: name})
+            parts = _core.flight_model(scenario.to_dict())["components"]
+            (kind,) = [part["cpp"] for part in parts if part["role"] == role]
+            assert kind.rpartition("::")[2] in flown, f"{role} {name}"
+
+
+def test_the_package_carries_the_notices_of_what_is_compiled_in() -> None:
+    """As the wheel holds them: what pip wrote down of it."""
+    listed = [str(path) for path in importlib.metadata.files("gyrostat") or []]
+    (notices,) = {path.rpartition("/licenses/")[0] for path in listed if "/licenses/LICENSE" in path and "dist-info" in path}
+    for name, says in (
+        ("LICENSE", "MIT License"),
+        ("licenses/sundials.txt", "Lawrence Livermore National Security"),
+        ("licenses/eigen.txt", "Mozilla Public License Version 2.0"),
+        ("licenses/random123.txt", "D. E. Shaw Research"),
+        ("licenses/pybind11.txt", "Wenzel Jakob"),
+    ):
+        path = f"{notices}/licenses/{name}"
+        assert path in listed
+        text = Path(str(importlib.metadata.distribution("gyrostat").locate_file(path))).read_text(encoding="utf-8")
+        assert says in text
+        assert text == (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_the_source_distribution_carries_them_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from scikit_build_core.build import build_sdist
+
+    monkeypatch.chdir(ROOT)
+    with tarfile.open(tmp_path / build_sdist(str(tmp_path))) as packed:
+        names = {name.partition("/")[2] for name in packed.getnames()}
+    assert {"LICENSE", *(f"licenses/{x}.txt" for x in ("sundials", "eigen", "random123", "pybind11"))} <= names
+    assert {"CMakeLists.txt", "pyproject.toml", "cpp/flight/gyrostat/flight/stack.hpp"} <= names
+    assert not [name for name in names if name.startswith(("build/", "out/", ".venv/"))]
+
+
+def test_the_module_is_hardened() -> None:
+    """Stack protector, checked calls of the C library, relocations read-only before anything runs."""
+
+    def readelf(*options: str) -> str:
+        command = ["readelf", "--wide", *options, _core.__file__]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+    assert "GNU_RELRO" in readelf("--program-headers")
+    assert re.search(r"\bBIND_NOW\b", readelf("--dynamic"))
+    imported = readelf("--dyn-syms")
+    assert "__stack_chk_fail" in imported
+    assert re.search(r"__\w+_chk\b", imported.replace("__stack_chk_fail", ""))
+    assert re.search(r"GNU_STACK\s.*\sRW\s", readelf("--program-headers"))
 
 
 def test_importing_loads_no_heavy_library() -> None:

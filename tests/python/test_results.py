@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import gyrostat as gs
-from gyrostat import metrics
+from gyrostat import _core, metrics
 
 
 def test_arrays_are_time_first_and_read_only(result: gs.Result) -> None:
@@ -74,10 +74,56 @@ def test_a_saved_result_reads_back_whole(result: gs.Result, tmp_path: Path) -> N
     assert [p.name for p in tmp_path.iterdir()] == ["run.npz"]
 
 
+def test_channels_share_labelled_dimensions(result: gs.Result) -> None:
+    data = result.to_xarray()
+    assert dict(data.sizes) == {"time": 3001, "axis": 3, "quaternion": 4, "actuator": 4}
+    assert list(data["axis"].to_numpy()) == ["x", "y", "z"]
+    assert list(data["quaternion"].to_numpy()) == ["w", "x", "y", "z"]
+    assert list(data["actuator"].to_numpy()) == [0, 1, 2, 3]
+    assert data["time"].attrs["unit"] == "s"
+    np.testing.assert_array_equal(data["time"], result.t)
+    lost = data["truth.delivered"] - data["allocation.u"]
+    np.testing.assert_array_equal(lost, result["truth.delivered"] - result["allocation.u"])
+    assert data["truth.q_NB"].dims == ("time", "quaternion"), "four wheels are not the four numbers of a quaternion"
+    y = data["truth.omega_BN_B"].sel(axis="y", time=5.0)
+    assert float(y) == result["omega_BN_B"][500, 1]
+
+
+def test_every_channel_that_can_be_recorded_has_its_dimension(scenario: gs.Scenario) -> None:
+    axes = np.array([[1, 0, 0, 0.6, 0.8], [0, 1, 0, 0.8, 0], [0, 0, 1, 0, 0.6]])  # five: no other size
+    for observer, controller in (("adaptive_iterative_learning", "sliding_mode"), ("mixed_learning", "mrp_feedback")):
+        flown = scenario.replace(
+            vehicle=gs.Vehicle(J_B=(3.0, 3.0, 3.0), D_B=axes.tolist(), u_max=1.0).to_dict(),
+            observer=observer,
+            controller=controller,
+            allocator="lexicographic",
+            detector="threshold",
+            duration=0.1,
+        )
+        data = flown.run(channels=[c["name"] for c in flown.channel_names()]).to_xarray()
+        sizes = {"time": 11, "axis": 3, "quaternion": 4, "actuator": 5}
+        own = {"observer.gains_i": 3} if observer == "adaptive_iterative_learning" else {}
+        assert dict(data.sizes) == sizes | own
+
+
+def test_a_data_frame_of_everything_is_of_a_size_to_work_with(scenario: gs.Scenario) -> None:
+    data = scenario.replace(duration=1.0).run().to_xarray()
+    frame = data.to_dataframe()
+    assert len(frame) == 101 * 3 * 4 * 4
+    assert np.isfinite(frame.to_numpy()).all()
+    only = data["truth.omega_BN_B"].to_dataframe()
+    assert len(only) == 101 * 3
+
+
+def test_a_result_read_back_has_the_same_labels(result: gs.Result, tmp_path: Path) -> None:
+    again = gs.Result.load(result.save(tmp_path / "run.npz"))
+    assert again.to_xarray().equals(result.to_xarray())
+
+
 def test_xarray_carries_units(result: gs.Result) -> None:
     data = result.to_xarray()
     assert data["truth.omega_BN_B"].attrs["unit"] == "rad/s"
-    assert data.sizes["t"] == 3001
+    assert data.sizes["time"] == 3001
     np.testing.assert_array_equal(data["error.angle"].to_numpy(), result["error.angle"])
 
 
@@ -98,12 +144,13 @@ _signals = arrays.arrays(
 ROUNDING = 1e-12  # relative; sums of at most 160 terms in another order
 
 
-@given(_signals, st.floats(0.01, 1e3))
-def test_settling_time_is_the_first_instant_of_the_quiet_tail(x: np.ndarray, band: float) -> None:
+@given(_signals, st.floats(0.01, 1e3), st.integers(0, 20))
+def test_settling_time_is_counted_to_the_first_instant_of_the_quiet_tail(x: np.ndarray, band: float, first: int) -> None:
     t = np.arange(len(x)) * 0.5
-    quiet = [k for k in range(len(x)) if np.abs(x[k:]).max() < band]
-    expected = t[quiet[0]] if quiet else math.nan
-    np.testing.assert_equal(metrics.settling_time(t, x, band), expected)
+    after = 0.5 * first
+    quiet = [k for k in range(first, len(x)) if np.abs(x[k:]).max() < band]
+    expected = t[quiet[0]] - after if quiet else math.nan
+    np.testing.assert_equal(metrics.settling_time(t, x, band, after), expected)
 
 
 @given(_signals)
@@ -112,10 +159,10 @@ def test_window_metrics_agree_with_numpy(x: np.ndarray) -> None:
     t0, t1 = t[len(t) // 3], t[-1]
     w = x[(t >= t0) & (t <= t1)]
     assert metrics.window_max(t, x, t0, t1) == np.abs(w).max()
-    assert metrics.window_min(t, x, t0, t1) == w.min()
-    assert metrics.window_upper(t, x, t0, t1) == w.max()
+    assert metrics.window_lowest(t, x, t0, t1) == w.min()
+    assert metrics.window_highest(t, x, t0, t1) == w.max()
     expected = np.linalg.norm(w, axis=1).max()
-    assert metrics.window_max_norm(t, x, t0, t1) == pytest.approx(expected, rel=ROUNDING)
+    assert metrics.window_norm(t, x, t0, t1) == pytest.approx(expected, rel=ROUNDING)
     expected = np.sqrt((w**2).sum(axis=1).mean())
     assert metrics.window_rms(t, x, t0, t1) == pytest.approx(expected, rel=ROUNDING)
 
@@ -149,6 +196,62 @@ def test_run_metrics_count_from_the_last_fault(result: gs.Result) -> None:
     assert result.metrics.settling(band) == pytest.approx(result.t[bad[-1] + 1] - 5.0, rel=1e-12)
     u = result["allocation.u"]
     assert result.metrics.saturated_fraction == np.mean((np.abs(u) >= 0.2 * (1 - 1e-9)).any(axis=1))
+
+
+@pytest.mark.parametrize("allocator", [*_core.catalogue()["allocator"], "python"])
+def test_saturated_means_the_same_in_metric_channel_and_command(scenario: gs.Scenario, allocator: str) -> None:
+    """Wheels, and nozzles that only push: a closed one stands at its limit of zero, and is not saturated."""
+    axes = np.array([[1, -1, 1, -1, 0, 0], [1, 1, -1, -1, 0, 0], [1, -1, -1, 1, 0, 0]]) / 2.0
+    nozzles = gs.Vehicle(J_B=(10.0, 12.0, 9.0), D_B=np.hstack([axes[:, :4], -axes[:, :4]]), u_min=0.0, u_max=0.05)
+    for vehicle in (gs.vehicle.ftc_4rw(), nozzles):
+        n = len(vehicle.D_B[0])
+        lower, upper = (0.0, 0.05) if vehicle is nozzles else (-0.2, 0.2)
+        python = _Inverse(np.linalg.pinv(np.asarray(vehicle.D_B)), lower, upper)
+        flown = scenario.replace(
+            vehicle=vehicle.to_dict(),
+            allocator=python if allocator == "python" else allocator,
+            faults=[],
+            sensors=[],
+            duration=20.0,
+        ).run()
+        u, mask = flown["allocation.u"], flown["allocation.saturated"].astype(int)
+        named = (mask[:, None] >> np.arange(n)) & 1 == 1
+        np.testing.assert_array_equal(named, (u != 0.0) & ((u == lower) | (u == upper)))
+        assert flown.metrics.saturated_fraction == np.mean(named.any(axis=1))
+        assert 0.0 < flown.metrics.saturated_fraction < 0.9, "limits are met, and left"
+
+
+class _Inverse:
+    """An allocator of the user's: it says nothing of limits, the guard sees to them."""
+
+    def __init__(self, inverse: np.ndarray, lower: float, upper: float) -> None:
+        self.inverse, self.lower, self.upper = inverse, lower, upper
+
+    def step(self, demand: gs.Demand, x: gs.Estimate, det: gs.Detection) -> np.ndarray:
+        return np.clip(self.inverse @ demand.tau_B, self.lower, self.upper)
+
+
+def test_a_fault_that_the_run_never_saw_does_not_count(scenario: gs.Scenario) -> None:
+    healthy = scenario.replace(faults=[], disturbances=[], duration=60.0)
+    late = gs.faults.Dead(actuator=1, t_on=1000.0)
+    for faults, onset in (([], 0.0), ([late], 0.0), ([scenario.faults[0], late], 5.0)):
+        run = healthy.replace(faults=faults).run(channels=["error.angle"])
+        assert run.metrics.last_fault == onset
+        bad = np.flatnonzero(run["error.angle"] >= metrics.DEFAULT_BAND)
+        assert run.metrics.settling_time == run.t[bad[-1] + 1] - onset
+        assert run.metrics.settling_time == metrics.settling_time(
+            run.t, run["error.angle"], metrics.DEFAULT_BAND, onset
+        )
+
+
+def test_claims_and_python_measure_under_the_same_names() -> None:
+    from gyrostat.papers.measures import METRICS
+
+    shared = {"settling_time", "energy", "first_reach", "fraction_at_least", "total_variation"}
+    shared |= {name for name in metrics.__all__ if name.startswith("window_")}
+    assert shared <= set(metrics.__all__)
+    assert shared <= set(METRICS)
+    assert not {name for name in METRICS if name.startswith("window_")} - set(metrics.__all__)
 
 
 def test_a_metric_without_its_channel_says_which(scenario: gs.Scenario) -> None:

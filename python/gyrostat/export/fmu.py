@@ -16,7 +16,7 @@ from gyrostat import _core
 from gyrostat.components import UNBOUNDED
 from gyrostat.export.compiler import FLAGS, compile_shared, find_compiler, find_eigen, fmi_platform
 from gyrostat.export.cpp import names, write_header
-from gyrostat.export.folder import filled
+from gyrostat.export.folder import copy_notices, filled
 from gyrostat.export.model import INPUTS, FlightCode, Parameter, literal, suffixes
 from gyrostat.export.recording import write_rows
 
@@ -64,6 +64,7 @@ def write(code: FlightCode, folder: Path) -> None:
     library = unit / "binaries" / platform / (code.name + ending)
     library.parent.mkdir(parents=True)
     compile_shared(compiler, sources / "fmu.cpp", [sources, sources / "include"], library)
+    copy_notices(unit / "documentation" / "licenses")
     _pack(unit, folder / f"{code.name}.fmu")
     shutil.rmtree(unit)
 

@@ -49,7 +49,7 @@ def filled(template: str, values: Mapping[str, object]) -> str:
 
 def copy_headers(wanted: list[str], into: Path) -> None:
     """Copy the wanted headers of the library with all that they include of it, and its licence."""
-    roots, licence = _library()
+    roots, licence, _ = _library()
     missing = list(wanted)
     seen: set[str] = set()
     while missing:
@@ -68,15 +68,24 @@ def copy_headers(wanted: list[str], into: Path) -> None:
     shutil.copyfile(licence, into / "gyrostat" / "LICENSE")
 
 
+def copy_notices(into: Path) -> None:
+    """Licences of what a compiled unit contains: ours, and Eigen's."""
+    _, licence, eigen = _library()
+    into.mkdir(parents=True)
+    shutil.copyfile(licence, into / "gyrostat.txt")
+    shutil.copyfile(eigen, into / "eigen.txt")
+
+
 def has_header(name: str) -> bool:
     """Whether the library has a header of this name."""
     return any((root / name).is_file() for root in _library()[0])
 
 
-def _library() -> tuple[list[Path], Path]:
-    """Include roots of core and flight, and the licence: of the installed package, or of a checkout."""
+def _library() -> tuple[list[Path], Path, Path]:
+    """Include roots of core and flight, our licence and Eigen's: of the installed package, or of a checkout."""
     installed = _package / "include"
     if installed.is_dir():
-        return [installed], installed / "gyrostat" / "LICENSE"
+        return [installed], installed / "gyrostat" / "LICENSE", installed / "licenses" / "eigen.txt"
     checkout = _package.parents[1]
-    return [checkout / "cpp" / "core", checkout / "cpp" / "flight"], checkout / "LICENSE"
+    roots = [checkout / "cpp" / "core", checkout / "cpp" / "flight"]
+    return roots, checkout / "LICENSE", checkout / "licenses" / "eigen.txt"

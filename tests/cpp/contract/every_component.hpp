@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file  Stacks that between them hold every observer, detector and controller of the catalogue, with default parameters;
-///        the optimal allocators have flight/allocators/test_optimal_allocators.cpp.
-///        tests/python/test_package.py compares the list with the catalogue.
+///        the optimal allocators have flight/allocators/test_optimal_allocators.cpp. tests/python/test_package.py compares
+///        both with the catalogue.
 #pragma once
 #include "gyrostat/flight/controllers/mixed_learning_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/mixed_learning_terminal_sliding_mode.hpp"

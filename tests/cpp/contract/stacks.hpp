@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  Static stacks that between them use every flight component, with default parameters on one vehicle.
+/// @file  Some static stacks with default parameters; every_component.hpp has the others.
 #pragma once
 #include <cmath>
 

@@ -35,7 +35,8 @@ class Attitude : public testing::Test {
   static std::initializer_list<S> lengths() {
     static constexpr bool wide = std::numeric_limits<S>::max_exponent10 > 300;
     static constexpr S far = wide ? S(1e200) : S(1e30);
-    static constexpr std::initializer_list<S> all = {S(1) / far, S(1e-9), S(0.5), S(0.9999), S(1.0001), S(40), S(1e9), far};
+    static constexpr std::initializer_list<S> all = {S(1) / far, S(1e-9), S(0.5), S(0.9999),
+                                                     S(1.0001),  S(40),   S(1e9), far};
     return all;
   }
 };
@@ -262,8 +263,9 @@ TYPED_TEST(Attitude, WhatDescribesNoAttitudeGivesNaN) {
   using S = TypeParam;
   const S inf = std::numeric_limits<S>::infinity(), nan = std::numeric_limits<S>::quiet_NaN();
   const Vec3<S> rest = Vec3<S>::Zero();
-  for (const Quat<S>& q : {Quat<S>(S(0), S(0), S(0), S(0)), Quat<S>(S(1), inf, S(0), S(0)), Quat<S>(-inf, S(0), S(0), S(0)),
-                           Quat<S>(S(-1), nan, S(0), S(0)), Quat<S>(nan, S(0), S(0), S(1))}) {
+  for (const Quat<S>& q :
+       {Quat<S>(S(0), S(0), S(0), S(0)), Quat<S>(S(1), inf, S(0), S(0)), Quat<S>(-inf, S(0), S(0), S(0)),
+        Quat<S>(S(-1), nan, S(0), S(0)), Quat<S>(nan, S(0), S(0), S(1))}) {
     EXPECT_TRUE(dcm(q).hasNaN());
     EXPECT_TRUE(mrp(q).hasNaN());
     EXPECT_TRUE(euler(q).hasNaN());

@@ -216,7 +216,8 @@ Vec3<S> euler(const Quat<S>& q_NB) noexcept {
   // Near the lock these cosines are small differences of large numbers. Sum and difference of the angles are not:
   //   (w - y, x + z) = (cos - sin)(pitch/2) (cos, sin)((yaw + roll)/2)
   //   (w + y, z - x) = (cos + sin)(pitch/2) (cos, sin)((yaw - roll)/2)
-  const S sum_cos = q.w() - q.y(), sum_sin = q.x() + q.z(), difference_cos = q.w() + q.y(), difference_sin = q.z() - q.x();
+  const S sum_cos = q.w() - q.y(), sum_sin = q.x() + q.z(), difference_cos = q.w() + q.y(),
+          difference_sin = q.z() - q.x();
   const S minus = std::hypot(sum_cos, sum_sin), plus = std::hypot(difference_cos, difference_sin);
   const S pitch = std::atan2(sp, plus * minus);
   const S locked = S(4) * std::numeric_limits<S>::epsilon();

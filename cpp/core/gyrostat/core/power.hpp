@@ -98,4 +98,12 @@ VecN<S> clip(const VecN<S>& u, const VecN<S>& lo, const VecN<S>& up) noexcept {
   return out;
 }
 
+/// Commands at a limit. One that rests (u = 0) is not saturated, also where zero is its limit: a closed nozzle.
+template <class S>
+Mask saturated(const VecN<S>& u, const VecN<S>& lo, const VecN<S>& up) noexcept {
+  Mask out;
+  for (int i = 0; i < u.size(); ++i) out.set(i, u[i] != S(0) && (u[i] <= lo[i] || u[i] >= up[i]));
+  return out;
+}
+
 }  // namespace gyrostat

@@ -160,7 +160,7 @@ struct Allocation {
   VecN<S> u;                             ///< N m, issued command, inside [u_lo, u_up]
   Vec3<S> demand_B = Vec3<S>::Zero();    ///< N m, what was asked
   Vec3<S> achieved_B = Vec3<S>::Zero();  ///< N m, D diag(effectiveness) u as far as flight knows
-  Mask saturated;
+  Mask saturated;       ///< commands at a limit of this sample, box or rate; one at rest (u = 0) is not
   S gap = S(0);         ///< certified distance to the optimum, for allocators that optimise
   S worst_case = S(0);  ///< N m, worst residual under the effectiveness bound
   int iterations = 0;

@@ -117,16 +117,12 @@ class FlightStack {
   }
 
   void clip_once_more(Allocation<Scalar>& a, const Estimate<Scalar>& x) const noexcept {
-    bool outside = false;
-    for (int i = 0; i < vehicle_.actuators(); ++i) {
-      const Scalar lo = std::max(vehicle_.u_lo[i], last_.u[i] - du_max_[i]);
-      const Scalar up = std::min(vehicle_.u_up[i], last_.u[i] + du_max_[i]);
-      if (a.u[i] < lo || a.u[i] > up) {
-        a.u[i] = a.u[i] < lo ? lo : up;
-        a.saturated.set(i);
-        outside = true;
-      }
-    }
+    const VecN<Scalar> lo = vehicle_.u_lo.cwiseMax(last_.u - du_max_);
+    const VecN<Scalar> up = vehicle_.u_up.cwiseMin(last_.u + du_max_);
+    const VecN<Scalar> inside = clip<Scalar>(a.u, lo, up);
+    const bool outside = inside != a.u;
+    a.u = inside;
+    a.saturated = a.saturated | saturated<Scalar>(a.u, lo, up);
     if (outside) a.achieved_B = torque<Scalar>(vehicle_.D_B, x.effectiveness.cwiseProduct(a.u));
   }
 

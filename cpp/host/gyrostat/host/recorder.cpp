@@ -141,8 +141,8 @@ const Known known[] = {
      [](M m, double* o) { put(m.last->u, o); }, true},
     {"allocation.achieved_B", 3, "N m", "torque that flight believes it gets",
      [](M m, double* o) { put(m.last->achieved_B, o); }},
-    {"allocation.saturated", 1, "", "bit mask of actuators at a limit",
-     [](M m, double* o) { put(m.last->saturated.bits(), o); }},
+    {"allocation.saturated", 1, "", "bit mask of actuators at a limit and not at rest",
+     [](M m, double* o) { put(m.last->saturated.bits(), o); }, true},
     {"allocation.gap", 1, "", "certified distance to the optimum", [](M m, double* o) { put(m.last->gap, o); }},
     {"allocation.worst_case", 1, "N m", "worst residual under the effectiveness bound",
      [](M m, double* o) { put(m.last->worst_case, o); }},
@@ -172,7 +172,15 @@ const KnownOfShadow known_of_shadow[] = {
     {"detection.event", 1, "", "count of declarations", [](V v, double* o) { put(v.det->event, o); }},
 };
 
-int size_of(int size, int actuators) { return size == per_actuator ? actuators : size; }
+/// `k` is a Known or a KnownOfShadow.
+ChannelInfo info_of(const std::string& name, const auto& k, int actuators) {
+  const char* dimension = k.size == per_actuator ? "actuator" : k.size == 3 ? "axis" : k.size == 4 ? "quaternion" : "";
+  return {name, k.size == per_actuator ? actuators : k.size, k.unit, k.meaning, dimension};
+}
+
+ChannelInfo info_of(const std::string& name, const TelemetryEntry& e) {
+  return {name, e.width, "", e.counter ? "counter" : "inner signal", e.dimension};
+}
 
 std::vector<TelemetryEntry> entries_of(const Reported& r) {
   std::vector<TelemetryEntry> entries;
@@ -191,16 +199,12 @@ bool meant(const std::string& pattern, const std::string& name) {
 std::vector<ChannelInfo> Recorder::offered(int actuators, const std::vector<Reported>& components,
                                            const std::vector<ShadowView>& shadows) {
   std::vector<ChannelInfo> out;
-  for (const Known& k : known) out.push_back({k.name, size_of(k.size, actuators), k.unit, k.meaning});
+  for (const Known& k : known) out.push_back(info_of(k.name, k, actuators));
   for (const ShadowView& s : shadows) {
-    for (const KnownOfShadow& k : known_of_shadow) {
-      out.push_back({s.role + "." + k.name, size_of(k.size, actuators), k.unit, k.meaning});
-    }
+    for (const KnownOfShadow& k : known_of_shadow) out.push_back(info_of(s.role + "." + k.name, k, actuators));
   }
   for (const Reported& r : components) {
-    for (const TelemetryEntry& e : entries_of(r)) {
-      out.push_back({r.role + "." + e.name, e.width, "", e.counter ? "counter" : "inner signal"});
-    }
+    for (const TelemetryEntry& e : entries_of(r)) out.push_back(info_of(r.role + "." + e.name, e));
   }
   return out;
 }
@@ -238,12 +242,12 @@ void Recorder::choose(const std::string& pattern, int actuators, const std::vect
   for (const Known& k : known) {
     if (!meant(pattern, k.name)) continue;
     needs_previous_ = needs_previous_ || k.previous;
-    add({{{k.name, size_of(k.size, actuators), k.unit, k.meaning}, {}}, k.fill});
+    add({{info_of(k.name, k, actuators), {}}, k.fill});
   }
   for (std::size_t i = 0; i < shadows.size(); ++i) {
     for (const KnownOfShadow& k : known_of_shadow) {
       const std::string name = shadows[i].role + "." + k.name;
-      if (meant(pattern, name)) add({{{name, size_of(k.size, actuators), k.unit, k.meaning}, {}}, nullptr, k.fill, i});
+      if (meant(pattern, name)) add({{info_of(name, k, actuators), {}}, nullptr, k.fill, i});
     }
   }
   for (const Reported& r : components) {
@@ -254,7 +258,7 @@ void Recorder::choose(const std::string& pattern, int actuators, const std::vect
         std::size_t source = 0;
         while (source < sources_.size() && sources_[source].component != r.component) ++source;
         if (source == sources_.size()) sources_.push_back({r.component, {}});
-        add({{{name, e.width, "", e.counter ? "counter" : "inner signal"}, {}}, nullptr, nullptr, source, offset});
+        add({{info_of(name, e), {}}, nullptr, nullptr, source, offset});
       }
       offset += static_cast<std::size_t>(e.width);
     }

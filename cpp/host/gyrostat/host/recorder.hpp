@@ -11,11 +11,12 @@
 
 namespace gyrostat::host {
 
-/// What one channel holds.
+/// What one channel holds. Its columns are the members of `dimension`: axis (x, y, z), quaternion (w, x, y, z), actuator;
+/// "" of one column, or of columns that are none of these.
 struct ChannelInfo {
   std::string name;
   int size = 1;
-  std::string unit, meaning;
+  std::string unit, meaning, dimension;
 };
 
 /// The true vehicle beside the nominal one; channels compare them.

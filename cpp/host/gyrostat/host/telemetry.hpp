@@ -15,6 +15,7 @@ struct TelemetryEntry {
   std::string name;
   int width = 1;
   bool counter = false;
+  const char* dimension = "";  ///< what its columns are, as in ChannelInfo
 };
 
 /// What the host asks of every erased component beside its role.
@@ -34,9 +35,12 @@ struct NameLog {
   template <class V>
   void operator()(const char* name, const V& value) const {
     if constexpr (std::is_arithmetic_v<V>) {
-      out.push_back({name, 1, false});
-    } else {
-      out.push_back({name, static_cast<int>(value.size()), false});
+      out.push_back({name});
+    } else {  // a vector is in body axes, what has its length at run time has one number an actuator
+      const char* dimension = V::RowsAtCompileTime == 3                ? "axis"
+                              : V::RowsAtCompileTime == Eigen::Dynamic ? "actuator"
+                                                                       : "";
+      out.push_back({name, static_cast<int>(value.size()), false, dimension});
     }
   }
   template <class V>

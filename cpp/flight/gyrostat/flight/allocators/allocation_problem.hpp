@@ -109,7 +109,7 @@ struct AllocationSolution {
   S residual_weight = S(0);            ///< as used, after capping
   Torque infeasibility_direction =
       Torque::Zero();           ///< v: v'demand > max over the box of v'D e tau; zero when there is none
-  std::uint32_t saturated = 0;  ///< bit i: command i sits on a limit
+  std::uint32_t saturated = 0;  ///< bit i: command i sits on a limit, and is not at rest (zero)
   int newton = 0, outer = 0;
   AllocationStatus status = AllocationStatus::optimal;
   std::uint8_t warnings = 0;

@@ -356,7 +356,7 @@ class AllocationSolver {
       const S t = std::min(std::max(command_[k] * torque_, p.lo[i]), p.up[i]);
       const S delivered = effectiveness_[k] * t, off = (t - p.preferred[i]) * per_torque;
       out.command[i] = t;
-      out.saturated |= static_cast<std::uint32_t>((t <= p.lo[i]) | (t >= p.up[i])) << i;
+      out.saturated |= static_cast<std::uint32_t>((t != S(0)) & ((t <= p.lo[i]) | (t >= p.up[i]))) << i;
       out.achieved += delivered * D_.col(i);
       uncertain += (p.bound[i] * delivered) * (p.bound[i] * delivered);
       effort += weight_[k] * off * off;

@@ -68,8 +68,10 @@ class PseudoInverse {
     const VecN<S> wish = least_norm(demand);
 
     Allocation<S> out;
-    out.u = limited(wish);
-    for (int i = 0; i < vehicle_.actuators(); ++i) out.saturated.set(i, out.u[i] != wish[i]);
+    // Inside the box, and as near to the previous command as the rate limit asks.
+    const VecN<S> lo = vehicle_.u_lo.cwiseMax(u_ - du_max_), up = vehicle_.u_up.cwiseMin(u_ + du_max_);
+    out.u = clip<S>(wish, lo, up);
+    out.saturated = saturated<S>(out.u, lo, up);
     out.demand_B = demand.tau_B;
     out.achieved_B = torque<S>(vehicle_.D_B, x.effectiveness.cwiseProduct(out.u));
     if (rank_ < 3) out.status.set(Flag::rank_lost);
@@ -150,13 +152,6 @@ class PseudoInverse {
     for (int i = 0; i < n; ++i) preferred[i] = usable_.test(i) ? demand.u_pref[i] : S(0);
     const Vec3<S> missing_B = demand.tau_B - torque<S>(A_, preferred);
     return preferred + project<S>(A_plus_transposed_, missing_B);
-  }
-
-  /// Inside the box, and as near to the previous command as the rate limit asks.
-  VecN<S> limited(const VecN<S>& wish) const noexcept {
-    const VecN<S> lo = vehicle_.u_lo.cwiseMax(u_ - du_max_);
-    const VecN<S> up = vehicle_.u_up.cwiseMin(u_ + du_max_);
-    return clip<S>(wish, lo, up);
   }
 
   /// The torque left over is more than rounding.

@@ -38,7 +38,7 @@ class PredefinedTime {
     S T1 = S(60);
     S h2 = S(0.25);
     S T2 = S(60);
-    S floor1 = S(5e-5);
+    S floor1 = S(0.5) * S(0.03) * S(0.03);
     S floor2 = S(1e-9);
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -46,7 +46,7 @@ class PredefinedTime {
       field(p.T1, Field{"T1", "s", 1e-6, 1e9, "longest time on the surface"});
       field(p.h2, Field{"h2", "", 1e-3, 0.999, "power of V2 towards the surface"});
       field(p.T2, Field{"T2", "s", 1e-6, 1e9, "longest time to the surface"});
-      field(p.floor1, Field{"floor1", "", 1e-30, 1, "V1 counts as no smaller; (0.05)^2 / 2 is 11 deg"});
+      field(p.floor1, Field{"floor1", "", 1e-30, 1, "V1 counts as no smaller; the default is |sigma| = 0.03, 7 deg"});
       field(p.floor2, Field{"floor2", "1/s^2", 1e-30, 1, "V2 counts as no smaller"});
       MrpSurfaceParams<S>::describe(p, field);
     }
@@ -58,7 +58,6 @@ class PredefinedTime {
       Params p;
       MrpSurfaceParams<S>::scale(setup, p);
       p.T1 = p.T2 = std::max(S(10) * std::sqrt(S(0.7) / usable_acceleration(setup.vehicle)), S(1000) * setup.dt);
-      p.floor1 = S(0.5) * S(0.03) * S(0.03);
       p.floor2 = S(0.5) * p.phi * p.phi;
       return p;
     }

@@ -101,7 +101,7 @@ class AdaptiveIterativeLearningObserver {
 
   void telemetry(auto&& log) const {
     log("error", learning_.error());
-    log("gains", Vec3<S>(gains_.k1, gains_.k2, gains_.k4));
+    log("gains", Eigen::Matrix<S, 1, 3>(gains_.k1, gains_.k2, gains_.k4));  // three numbers, no axes
   }
 
  private:
