@@ -42,11 +42,11 @@ __all__: list[str] = [
     "settling_time",
     "simulate",
     "total_variation",
+    "window_highest",
+    "window_lowest",
     "window_max",
-    "window_max_norm",
-    "window_min",
+    "window_norm",
     "window_rms",
-    "window_upper",
 ]
 
 class EulerState:
@@ -355,7 +355,7 @@ class Allocation:
     @property
     def saturated(self) -> list:
         """
-        actuators at a limit
+        actuators at a limit, and not at rest
         """
     @saturated.setter
     def saturated(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
@@ -444,7 +444,7 @@ def energy(
 
 def euler_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Roll, pitch, yaw (..., 3) in rad of quaternions (..., 4), scalar first; 3-2-1 sequence.
+    Roll, pitch, yaw (..., 3) in rad of quaternions (..., 4), scalar first; 3-2-1 sequence. Yaw is zero at pitch +-pi/2.
     """
 
 def first_reach(
@@ -475,12 +475,12 @@ def fraction_at_least(
 
 def mrp_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
     """
-    MRP of quaternions (..., 4), scalar first -> (..., 3). The sign of q decides which of the two sets comes out.
+    MRP of quaternions (..., 4), scalar first -> (..., 3). The sign of q decides which of the two sets comes out; a full turn, infinite in its set, gives zero.
     """
 
 def mrp_shadow(sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
     """
-    The other MRP (..., 3) of the same attitude.
+    The other MRP (..., 3) of the same attitude; zero, whose other one is infinite, stays.
     """
 
 def quat_from_euler(
@@ -528,7 +528,7 @@ def settling_time(
     after: typing.SupportsFloat | typing.SupportsIndex = 0.0,
 ) -> float:
     """
-    First instant (s), not before `after`, from which max_i |x_i| < band to the end; nan when it is never so.
+    Time (s) from `after` to the first instant from which max_i |x_i| < band to the end; nan when it is never so.
     """
 
 def simulate(
@@ -553,6 +553,26 @@ def total_variation(
     Sum over [t0, t1] of sum_i |change of u_i|, per second.
     """
 
+def window_highest(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Largest value (signed) of any x_i in [t0, t1].
+    """
+
+def window_lowest(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex,
+    t1: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Smallest value (signed) of any x_i in [t0, t1].
+    """
+
 def window_max(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
@@ -563,7 +583,7 @@ def window_max(
     Largest |x_i| of the samples in [t0, t1].
     """
 
-def window_max_norm(
+def window_norm(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     t0: typing.SupportsFloat | typing.SupportsIndex,
@@ -571,16 +591,6 @@ def window_max_norm(
 ) -> float:
     """
     Largest Euclidean norm of x in [t0, t1].
-    """
-
-def window_min(
-    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
-) -> float:
-    """
-    Smallest value of any x_i in [t0, t1].
     """
 
 def window_rms(
@@ -591,16 +601,6 @@ def window_rms(
 ) -> float:
     """
     Root of the mean over [t0, t1] of sum_i x_i^2.
-    """
-
-def window_upper(
-    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
-) -> float:
-    """
-    Largest value (signed) of any x_i in [t0, t1].
     """
 
 __version__: str = "0.1.0"

@@ -2,8 +2,8 @@
 """Metrics of a run. The functions live in C++, once, and serve single runs, claims and campaigns alike.
 
 Instants and windows are absolute, in seconds; a settling time is counted from the instant ``after``, which is the last
-fault in `Metrics` and zero in the function unless given. A signal has shape (n,) or (n, k), and its size at an instant is
-the largest ``|x_i|``. Claims (`gyrostat.papers`) measure with the same functions under the same names.
+fault in `Metrics` and zero in the function unless given. A signal has shape (n,) or (n, k), and its size at an instant
+is the largest ``|x_i|``. Claims (`gyrostat.papers`) measure with the same functions under the same names.
 """
 
 from __future__ import annotations

@@ -289,8 +289,8 @@ def _copies(components: dict[str, object]) -> dict[str, object]:
     except Exception as error:
         role, culprit = next(((r, c) for r, c in components.items() if not _can_be_copied(c)), ("", components))
         raise InputError(
-            f"{role} {type(culprit).__name__} cannot be copied ({' '.join(str(error).split())}); a run flies its own copy "
-            "of a Python component: take out what has no copy, or give the class a __deepcopy__"
+            f"{role} {type(culprit).__name__} cannot be copied ({' '.join(str(error).split())}); a run flies its own "
+            "copy of a Python component: take out what has no copy, or give the class a __deepcopy__"
         ) from None
 
 

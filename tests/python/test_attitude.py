@@ -93,8 +93,10 @@ def test_a_quaternion_of_any_length_stands_for_its_direction(q: np.ndarray, leng
     np.testing.assert_allclose(attitude.dcm_from_quat(long), attitude.dcm_from_quat(q), atol=TIGHT)
     np.testing.assert_allclose(attitude.rotation_angle(long), attitude.rotation_angle(q), atol=TIGHT)
     one, other = attitude.rotation_vector_from_quat(long), attitude.rotation_vector_from_quat(q)
-    assert min(np.abs(one - other).max(), np.abs(one + other).max() if q[0] == 0.0 else math.inf) < TIGHT
-    np.testing.assert_allclose(scipy_euler_matrix(attitude.euler_from_quat(long)), attitude.dcm_from_quat(q), atol=TIGHT)
+    assert min(np.abs(one - other).max(), np.abs(one + other).max() if abs(q[0]) < TIGHT else math.inf) < TIGHT
+    np.testing.assert_allclose(
+        scipy_euler_matrix(attitude.euler_from_quat(long)), attitude.dcm_from_quat(q), atol=TIGHT
+    )
     one, other = attitude.mrp_from_quat(long), attitude.mrp_from_quat(q)
     # near a full turn sigma goes with 1 / |v|, and so does what rounding of q is worth
     np.testing.assert_allclose(one, other, rtol=TIGHT, atol=TIGHT * (1.0 + other @ other))
@@ -123,7 +125,9 @@ def test_full_turns_have_the_nearest_mrp_that_exists() -> None:
     np.testing.assert_allclose(attitude.mrp_from_quat(np.array([-1.0, 1e-9, 0.0, 0.0])), [2e9, 0.0, 0.0], rtol=1e-15)
     np.testing.assert_array_equal(attitude.mrp_shadow(np.zeros(3)), np.zeros(3))
     np.testing.assert_allclose(attitude.mrp_shadow(np.array([0.0, 0.0, 1e-200])), [0.0, 0.0, -1e200], rtol=1e-15)
-    np.testing.assert_allclose(attitude.quat_from_mrp(np.array([1e200, 0.0, 0.0])), [-1.0, 2e-200, 0.0, 0.0], rtol=1e-15)
+    np.testing.assert_allclose(
+        attitude.quat_from_mrp(np.array([1e200, 0.0, 0.0])), [-1.0, 2e-200, 0.0, 0.0], rtol=1e-15
+    )
 
 
 @pytest.mark.parametrize("q", [[0.0] * 4, [1.0, math.inf, 0.0, 0.0], [math.nan, 0.0, 0.0, 1.0]])

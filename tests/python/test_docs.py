@@ -59,7 +59,9 @@ def without_code(text: str) -> str:
 def code(page: Path) -> list[str]:
     """Every piece of code of a page: spans in a line, and the lines of its blocks."""
     text = page.read_text(encoding="utf-8")
-    blocks = re.findall(r"^```.*?\n(.*?)^```", text, re.DOTALL | re.MULTILINE) + re.findall(r"^    (.*)$", text, re.MULTILINE)
+    blocks = re.findall(r"^```.*?\n(.*?)^```", text, re.DOTALL | re.MULTILINE) + re.findall(
+        r"^    (.*)$", text, re.MULTILINE
+    )
     return re.findall(r"`([^`\n]+)`", without_code(text)) + [line for block in blocks for line in block.splitlines()]
 
 
@@ -147,6 +149,7 @@ def test_a_link_to_nowhere_is_noticed() -> None:
 MAKE_TARGETS = set(re.findall(r"^([a-z][\w-]*):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
 PRESETS = {p["name"] for p in json.loads((ROOT / "CMakePresets.json").read_text(encoding="utf-8"))["configurePresets"]}
 CPP_TESTS = (ROOT / "tests" / "cpp" / "CMakeLists.txt").read_text(encoding="utf-8")
+BUILD_FILES = "\n".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / "benchmarks").rglob("CMakeLists.txt")))
 CPP_TARGETS = {
     f"test_{folder.replace('/', '_')}_{test}"
     for folder, test in re.findall(r"^gyrostat_test\(([\w/]+) (\w+)", CPP_TESTS, re.MULTILINE)
@@ -163,31 +166,33 @@ SOURCES_OF_TESTS = "\n".join(
 
 
 def unknown_names(piece: str) -> Iterator[str]:
-    """Make targets, presets, test programs, tests and files that a piece of code names and that are not there.
+    """Make targets, presets, test programs, tests and files that a piece of code names and that are not there."""
+    yield from _unknown_targets(piece)
+    yield from _unknown_files(piece)
 
-    ``my_...`` is the reader's own.
-    """
+
+def _unknown_targets(piece: str) -> Iterator[str]:
     for target in re.findall(r"^(?:[\w=]+ )?make ([a-z][\w-]*)", piece):
         if target not in MAKE_TARGETS:
             yield f"make target '{target}'"
     for preset in re.findall(r"--preset (\w[\w-]*)", piece):
         if preset not in PRESETS:
             yield f"preset '{preset}'"
-    for target in re.findall(r"--target (\w+)", piece):
-        if target not in CPP_TARGETS and target not in _GENERATED:
+    for target in re.findall(r"cmake .*--target (\w+)", piece):
+        if target not in CPP_TARGETS and not re.search(rf"\b{target}\b", BUILD_FILES):
             yield f"target '{target}'"
-    for path in re.findall(r"(?<![\w/.<>@*-])((?:%s)/[\w./-]+\.\w+)" % "|".join(FOLDERS), piece):
+
+
+def _unknown_files(piece: str) -> Iterator[str]:
+    """``my_...`` is the reader's own."""
+    for path in re.findall(rf"(?<![\w/.<>@*-])((?:{'|'.join(FOLDERS)})/[\w./-]+\.\w+)", piece):
         if path not in FILES and "my_" not in path:
             yield f"file '{path}'"
     for file in re.findall(r"(?<![\w/])((?:[\w]+/)*test_\w+(?:\.\w+)?)", piece):
-        whole = "." in file
-        known = any(f.endswith(f"/{file}") for f in FILES) if whole else file in CPP_TARGETS or f"/{file}.cpp" in _ENDS
-        if not known and "my_" not in file and not file.startswith("tests/"):
+        endings = (f"/{file}",) if "." in file else (f"/{file}.cpp", f"/{file}.py")
+        known = file.rpartition("/")[2] in CPP_TARGETS or any(f"/{f}".endswith(endings) for f in FILES)
+        if not known and "my_" not in file:
             yield f"test '{file}'"
-
-
-_GENERATED = {"all_verify_interface_header_sets"}
-_ENDS = "\n".join(f"/{f}" for f in FILES)
 
 
 @pytest.mark.parametrize("page", EVERY_PAGE, ids=name)

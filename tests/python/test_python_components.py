@@ -163,8 +163,10 @@ def test_an_object_without_a_copy_is_refused_in_one_line(ideal: gs.Scenario, hel
             super().__init__()
             self.held = held
 
-    flown = ideal.replace(controller=Holding(), observer=SimpleNamespace(step=lambda y, last: gs.Estimate.healthy(y)))
-    with pytest.raises(gs.InputError, match=r"^controller Holding cannot be copied \(.*\); a run flies its own copy.*$"):
+    flown = ideal.replace(controller=Holding(), observer=SimpleNamespace(step=lambda y, _: gs.Estimate.healthy(y)))
+    with pytest.raises(
+        gs.InputError, match=r"^controller Holding cannot be copied \(.*\); a run flies its own copy.*$"
+    ):
         flown.run()
 
 

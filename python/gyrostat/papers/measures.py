@@ -81,9 +81,9 @@ def energy(result: Result, *, signal: Array) -> float:
 
 
 def recovery(result: Result, *, signal: Array, band: float, after: float, until: float = math.inf) -> float:
-    """Time from a fault until the signal stays below `band`, as far as `until`, s; the sample at the fault is before it.
+    """Time from a fault until the signal stays below `band`, as far as `until`, s. Not measured when it never does.
 
-    Not measured when it never does.
+    The sample at the fault is before it.
     """
     start, end = _reaches(result, after, until)
     part = (result.t > start + 1e-9) & (result.t <= end + 1e-9)
