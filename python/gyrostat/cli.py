@@ -57,7 +57,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):  # whatever the terminal can show: no name or title is too strange to print
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
     try:
         status = app(standalone_mode=False)
@@ -570,7 +570,7 @@ def _complain(text: str, status: int) -> int:
 
 @contextmanager
 def _progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr that appears when the work takes longer than `patience` seconds."""
+    """A bar on stderr, if that is a terminal, that appears when the work takes longer than `patience` seconds."""
     started = time.monotonic()
     bar: Any = None
     task: Any = None
@@ -578,7 +578,7 @@ def _progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], N
     def report(fraction: float) -> None:
         nonlocal bar, task
         if bar is None:
-            if time.monotonic() - started < patience:
+            if time.monotonic() - started < patience or not sys.stderr.isatty():
                 return
             from rich.console import Console
             from rich.progress import Progress

@@ -52,12 +52,14 @@ class Facts(Model):
             meta={name: dict(meta) for name, meta in result.meta.items()},
         )
 
+    def catalogued(self) -> Scenario:
+        """The scenario, without the Python components that flew."""
+        with input_errors("scenario"):
+            return Scenario.from_dict({k: v for k, v in self.scenario.items() if not _is_python(v)})
+
     def flown(self) -> Scenario | dict[str, Any]:
         """The scenario; its tables as they are when a Python component flew."""
-        with input_errors("scenario"):
-            catalogued = {k: v for k, v in self.scenario.items() if not _is_python(v)}
-            scenario = Scenario.from_dict(catalogued)
-        return scenario if len(catalogued) == len(self.scenario) else self.scenario
+        return self.scenario if any(map(_is_python, self.scenario.values())) else self.catalogued()
 
     def hold_against(self, t: NDArray[np.float64], channels: Mapping[str, NDArray[np.float64]]) -> None:
         """Compare with the arrays.
@@ -69,25 +71,21 @@ class Facts(Model):
         """
         if t.dtype != np.float64 or t.ndim != 1 or len(t) == 0 or not np.isfinite(t).all() or np.any(np.diff(t) <= 0.0):
             raise InputError("t does not increase from instant to instant")
+        scenario = self.catalogued()
+        sizes = {c["name"]: c["size"] for c in scenario.channel_names()}
         for name, x in channels.items():
-            if x.dtype != np.float64 or x.ndim not in (1, 2) or len(x) != len(t):
-                raise InputError(f"{name} has shape {x.shape} of {x.dtype}; {len(t)} rows of float64 belong there")
-        duration, dt = self._number("duration"), self._number("dt")
+            size = sizes.get(name, x.shape[1] if x.ndim > 1 else 1)
+            shape = (len(t),) if size == 1 else (len(t), size)
+            if x.dtype != np.float64 or x.shape != shape:
+                raise InputError(f"{name} has shape {x.shape} of {x.dtype}; {shape} of float64 belongs there")
         completed = self.status == "completed"
-        after = t[-1] - self.end_time  # the last sample of a run that ended early need not be among the recorded ones
-        if t[0] < 0.0 or after > 0.5 * dt or (completed and after < -0.5 * dt):
+        late = t[-1] - self.end_time  # the last sample of a run that ended early need not be among the recorded ones
+        if t[0] < 0.0 or late > 0.5 * scenario.dt or (completed and late < -0.5 * scenario.dt):
             raise InputError(f"t goes from {t[0]:g} s to {t[-1]:g} s, and the run ended at {self.end_time:g} s")
-        if completed and abs(self.end_time - duration) > 0.5 * dt:
-            raise InputError(f"status is completed, and the run ended at {self.end_time:g} s of {duration:g} s")
-        for name, meta in self.meta.items():
-            if name in channels and meta.get("size", 1) != channels[name][0].size:
-                raise InputError(f"{name} has {channels[name][0].size} columns instead of {meta.get('size', 1)}")
-
-    def _number(self, key: str) -> float:
-        value = self.scenario.get(key)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"scenario: {key} is missing")
-        return float(value)
+        if completed and abs(self.end_time - scenario.duration) > 0.5 * scenario.dt:
+            raise InputError(
+                f"status is completed, and the run ended at {self.end_time:g} s of {scenario.duration:g} s"
+            )
 
 
 def _is_python(value: Any) -> bool:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
-from pydantic import Field, PlainValidator, ValidationInfo, model_validator
+from pydantic import PlainValidator, ValidationInfo, model_validator
 
 from gyrostat import _core, protocols, toml
 from gyrostat.components import Component, checked_text, freeze, thaw
@@ -82,14 +82,14 @@ def _names(value: Any) -> tuple[str, ...] | None:
     return tuple(map(checked_text, names))
 
 
-def _period(value: Any) -> int | None:
+def _every(value: Any) -> int:
     """Every how many samples are recorded."""
     try:
-        number = None if value is None else operator.index(value)
+        number = operator.index(value)
     except TypeError:
         number = 0
-    if number is not None and (number < 1 or isinstance(value, bool)):
-        raise InputError(f"every = {shown(value)}: a whole number belongs here, 1 or more")
+    if not 1 <= number <= 10**9 or isinstance(value, bool):
+        raise InputError(f"{shown(value)} is no whole number from 1 to 1000000000")
     return number
 
 
@@ -114,7 +114,7 @@ class Record(Model):
     """What a run keeps: names of channels (the usual ones when absent), and every how many samples."""
 
     channels: Annotated[Sequence[str] | None, PlainValidator(_names)] = None
-    every: Annotated[int, Field(ge=1, le=10**9)] = 1
+    every: Annotated[int, PlainValidator(_every)] = 1
 
 
 class Scenario(Model):
@@ -188,9 +188,14 @@ class Scenario(Model):
     @model_validator(mode="before")
     @classmethod
     def _plain(cls, data: Any) -> Any:
-        """Lists to tuples where the models want tuples."""
-        if isinstance(data, dict) and isinstance(data.get("shadows"), list):
-            data = {**data, "shadows": tuple(data["shadows"])}
+        """Lists to tuples where the models want tuples; tables need texts as keys to become models."""
+        if isinstance(data, dict):
+            if isinstance(data.get("shadows"), list):
+                data = {**data, "shadows": tuple(data["shadows"])}
+            shadows = data.get("shadows")
+            for table in (*data.values(), *(shadows if isinstance(shadows, tuple) else ())):
+                if isinstance(table, dict) and not all(isinstance(key, str) for key in table):
+                    raise InputError(f"{shown(table)}: the keys of a table are texts")
         return data
 
     @model_validator(mode="after")
@@ -327,7 +332,11 @@ class Scenario(Model):
         tables, components = self._split()
         with input_errors("channels"):
             chosen = None if channels is None else list(_names(channels) or ())
-        fewer, room = _period(every) or 0, available_memory()
+        with input_errors("every"):
+            fewer = 0 if every is None else _every(every)
+        if progress is not None and not callable(progress):
+            raise InputError(f"progress: {shown(progress)} cannot be called")
+        room = available_memory()
         if components:  # what a Python component raises reaches the caller as it is
             raw = _core.simulate(tables, components, chosen, fewer, progress, room)
         else:
