@@ -11,6 +11,7 @@ import shlex
 import signal
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
@@ -23,7 +24,7 @@ from gyrostat.components import range_text
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import checked_target, made_folder, write_text
 from gyrostat.scenario import Scenario, shipped
-from gyrostat.text import one_line
+from gyrostat.text import one_line, unescaped
 
 if TYPE_CHECKING:
     from gyrostat.design import Finding
@@ -57,6 +58,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):  # whatever the terminal can show: no name or title is too strange to print
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    warnings.simplefilter("ignore", RuntimeWarning)  # of numpy: what overflows is seen in what is printed
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
     try:
@@ -272,6 +274,11 @@ def check(
     """
     from gyrostat import design
 
+    for option, numbers in (("--effectiveness", effectiveness), ("--torque", torque)):
+        if numbers is not None and not all(math.isfinite(x) for x in numbers):
+            raise InputError(f"{option} {' '.join(map(str, numbers))}: finite numbers belong here")
+    if effectiveness is not None and effectiveness[0] > effectiveness[1]:
+        raise InputError(f"--effectiveness {effectiveness[0]:g} {effectiveness[1]:g}: the lower end comes first")
     checked = _scenario(scenario, settings)
     rows = checked.check()
     findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
@@ -414,7 +421,8 @@ def _scenario(name: str, settings: Sequence[str] | None) -> Scenario:
 def _changes(settings: Sequence[str] | None) -> dict[str, Any]:
     """Values of `--set`, by key."""
     changes = {}
-    for setting in settings or ():
+    for given in settings or ():
+        setting = unescaped(given)
         key, equals, text = setting.partition("=")
         if not equals or not key.strip():
             raise InputError(f"--set {setting}: write KEY=VALUE, for example --set observer.lambda1=2")

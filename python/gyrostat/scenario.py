@@ -7,7 +7,7 @@ import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import PlainValidator, ValidationInfo, model_validator
 
@@ -33,39 +33,40 @@ def _component(value: Any, info: ValidationInfo) -> Any:
         return value
     if isinstance(value, str):
         return Component(checked_text(value))
-    if not isinstance(value, Mapping):
-        _refuse_object(value, str(info.field_name))
-    return freeze(value)
+    if isinstance(value, Mapping):
+        return freeze(value)
+    if isinstance(value, bool | int | float | list | tuple):
+        raise InputError(f"{shown(value)} is a {type(value).__name__}; a component belongs here")
+    family = str(info.field_name).removesuffix("s")
+    shaped = " with waveforms (gyrostat.waveforms) in them" if family in ("fault", "disturbance") else ""
+    raise InputError(
+        f"{_class_of(value).__name__} is a Python object, which only an observer, detector, controller or allocator "
+        f"that closes the loop can be; for '{family}' there are: {', '.join(_core.catalogue()[family])}{shaped}"
+    )
 
 
 def _role(value: Any, info: ValidationInfo) -> Any:
     """A component, or any Python object that can step."""
     if callable(getattr(value, "step", None)) and not isinstance(value, type):
         return value
-    return _component(value, info)
+    if value is None or isinstance(value, Component | str | Mapping):
+        return _component(value, info)
+    name = _class_of(value).__name__
+    if isinstance(value, type):
+        raise InputError(f"{name} is a class; an object of it belongs here: {name}(...)")
+    raise InputError(
+        f"{shown(value)} is a {name} without step(...); a name, a component or an object with step belongs here"
+    )
+
+
+def _class_of(value: Any) -> type:
+    return value if isinstance(value, type) else type(value)
 
 
 def _components(value: Any, info: ValidationInfo) -> tuple[Component, ...]:
     if not isinstance(value, list | tuple):
         raise InputError(f"{shown(value)} must be a list of components")
     return tuple(_component(v, info) for v in value)
-
-
-def _refuse_object(value: Any, key: str) -> NoReturn:
-    """Say what may stand there: a Python object only for a role of the flight stack."""
-    family = key.removesuffix("s")
-    if isinstance(value, type):
-        raise InputError(f"{value.__name__} is a class; an object of it belongs here: {value.__name__}(...)")
-    if key in _roles:
-        what = f"{shown(value)} is a {type(value).__name__} without step(...)"
-        raise InputError(f"{what}; a name, a component or an object with step belongs here")
-    if isinstance(value, bool | int | float | list | tuple):
-        raise InputError(f"{shown(value)} is a {type(value).__name__}; a component belongs here")
-    waveforms = " of waveforms (gyrostat.waveforms)" if family in ("fault", "disturbance") else ""
-    raise InputError(
-        f"{type(value).__name__} is a Python object, which only {', '.join(_roles)} can be; "
-        f"a {family} is one of {', '.join(_core.catalogue()[family])}{waveforms}"
-    )
 
 
 def _names(value: Any) -> tuple[str, ...] | None:
@@ -78,7 +79,7 @@ def _names(value: Any) -> tuple[str, ...] | None:
     names = tuple(value)
     for name in names:
         if not isinstance(name, str):
-            raise InputError(f"{shown(name)} is a {type(name).__name__}; the name of a channel belongs here")
+            raise InputError(f"{shown(name)} is no text; the name of a channel belongs here")
     return tuple(map(checked_text, names))
 
 
@@ -357,7 +358,7 @@ class Scenario(Model):
 def find(name: str | Path) -> Path:
     """The file of a scenario: a path, or the name of a shipped one."""
     if not isinstance(name, str | Path):
-        raise InputError(f"{shown(name)} is a {type(name).__name__}; a name or a path belongs here")
+        raise InputError(f"{shown(name)} is no text and no path; the name or the file of a scenario belongs here")
     path = Path(name)
     known = shipped()
     with suppress(OSError):  # too long for a file, say: then it is no file

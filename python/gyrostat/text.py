@@ -18,8 +18,16 @@ def printable(text: str) -> str:
 
     So are invisible ones: those that turn the direction of writing, lone surrogates, what no standard assigns.
     """
-    line = _break.sub(" ", text)
+    line = _break.sub(" ", unescaped(text))
     return line if line.isprintable() else "".join(c if c.isprintable() else f"{{U+{ord(c):04X}}}" for c in line)
+
+
+def unescaped(text: str) -> str:
+    """What was meant by a text of the system (an argument, a name of a file) whose locale does not know its letters."""
+    try:
+        return text.encode("utf-8", "surrogateescape").decode("utf-8")
+    except UnicodeError:
+        return text
 
 
 def one_line(text: str) -> str:
@@ -49,4 +57,4 @@ def shown(value: Any) -> str:
     return printable(_short.repr(value))
 
 
-__all__ = ["LONGEST", "one_line", "printable", "shown"]
+__all__ = ["LONGEST", "one_line", "printable", "shown", "unescaped"]

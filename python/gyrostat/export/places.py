@@ -58,14 +58,16 @@ def identifier(given: str) -> str:
             f"{LONGEST_NAME} at most"
         )
     if is_taken(given):
-        raise InputError(f"name '{given}' means something else in C or C++, or to a build; 'flight_{given}' would do")
+        raise InputError(
+            f"name '{given}' means something else in C or C++, or to a build; '{identifier_of(given)}' would do"
+        )
     return given
 
 
 def identifier_of(title: str) -> str:
     """An identifier that resembles a title."""
-    made = re.sub(r"[\W_]+", "_", title, flags=re.ASCII).strip("_").lower()[:48].strip("_") or "flight"
-    return made if made[0].isalpha() and not is_taken(made) else f"flight_{made}"
+    made = re.sub(r"[\W_]+", "_", title, flags=re.ASCII).strip("_").lower()[:48].strip("_")
+    return next((n for n in (made, f"flight_{made}") if n[:1].isalpha() and n[-1] != "_" and not is_taken(n)), "flight")
 
 
 def is_taken(name: str) -> bool:
@@ -84,8 +86,11 @@ def _is_reserved(name: str, words: frozenset[str]) -> bool:
 @cache
 def _reserved() -> tuple[frozenset[str], tuple[str, ...]]:
     """Words of the list and of the templates, and what the templates hang on a name ("" for the name itself)."""
+    from gyrostat.export.model import INPUTS, OUTPUTS
+
     listed = (_folder / "reserved.txt").read_text(encoding="ascii")
     words = {word for line in listed.splitlines() if not line.startswith("#") for word in line.split()}
+    words |= {signal.replace(".", "_") for signal in (*INPUTS, *OUTPUTS)}
     suffixes = {""}
     for template in (_folder / "templates").rglob("*.in"):
         if template.suffixes[0] in (".h", ".hpp", ".c", ".cpp"):
