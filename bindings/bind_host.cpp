@@ -100,12 +100,13 @@ const char* end_name(host::RunEnd::Code code) {
 
 py::dict simulate(const py::dict& scenario, const py::dict& components,
                   const std::optional<std::vector<std::string>>& channels, std::size_t every,
-                  const py::object& progress, bool record) {
+                  const py::object& progress, double memory, bool record) {
   const host::Table table = to_table(scenario);
   const host::ExternalComponents external = python_components(components, Use::fly);
   host::RunOptions options;
   options.every = every;
   options.record = record;
+  options.memory = memory;
   if (channels) options.channels = *channels;
   options.progress = [&progress](double fraction) {
     const py::gil_scoped_acquire gil;
@@ -227,8 +228,8 @@ void bind_host(py::module_& m) {
         "The flight half of a scenario: nominal vehicle as flight has it, period, components with their C++ class and "
         "every "
         "parameter as `default`, size of the stack.");
-  m.def("simulate", &simulate, "scenario"_a, "components"_a = py::dict(), "channels"_a = py::none(), "every"_a = 1,
-        "progress"_a = py::none(), "record"_a = true,
+  m.def("simulate", &simulate, "scenario"_a, "components"_a = py::dict(), "channels"_a = py::none(), "every"_a = 0,
+        "progress"_a = py::none(), "memory"_a = unbounded, "record"_a = true,
         "Runs one closed loop. Releases the GIL; Python components take it back for their own step only.");
   m.def("critical_effectiveness", &critical_effectiveness<double>, "lambda1"_a, "lambda2"_a,
         "Effectiveness above which feeding the estimate of a finite-time observer forward is stable.");

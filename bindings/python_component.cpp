@@ -31,6 +31,8 @@ std::string class_name(const py::object& object) {
 /// An array-like of n finite or non-finite numbers; the stack's guard judges their values.
 template <class Vector>
 void copy_numbers(const py::object& from, Eigen::Index n, Vector& out, const std::string& who) {
+  if (from.is_none())
+    throw std::invalid_argument(who + " returned nothing (None); " + std::to_string(n) + " numbers belong there");
   py::array_t<double, py::array::c_style | py::array::forcecast> array;
   try {
     array = py::array_t < double, py::array::c_style | py::array::forcecast > (from);

@@ -535,8 +535,9 @@ def simulate(
     scenario: dict,
     components: dict = {},
     channels: collections.abc.Sequence[str] | None = None,
-    every: typing.SupportsInt | typing.SupportsIndex = 1,
+    every: typing.SupportsInt | typing.SupportsIndex = 0,
     progress: typing.Any = None,
+    memory: typing.SupportsFloat | typing.SupportsIndex = 1.7976931348623157e308,
     record: bool = True,
 ) -> dict:
     """

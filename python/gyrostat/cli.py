@@ -3,22 +3,28 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
+import os
+import shlex
+import signal
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from gyrostat import _core, toml
 from gyrostat.components import range_text
 from gyrostat.errors import InputError, suggestion
-from gyrostat.files import writable_folder, write_text
+from gyrostat.files import checked_target, made_folder, write_text
 from gyrostat.scenario import Scenario, shipped
+from gyrostat.text import one_line, unescaped
 
 if TYPE_CHECKING:
     from gyrostat.design import Finding
@@ -43,22 +49,49 @@ Settings = Annotated[
 ]
 
 
+class _Interrupted(BaseException):
+    """Ctrl-C; typer makes something of its own of a KeyboardInterrupt."""
+
+
 def main() -> None:
     """Entry point: every foreseen problem is one line on stderr."""
+    for stream in (sys.stdout, sys.stderr):  # whatever the terminal can show: no name or title is too strange to print
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    warnings.simplefilter("ignore", RuntimeWarning)  # of numpy: what overflows is seen in what is printed
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, _interrupt)
     try:
         status = app(standalone_mode=False)
+        sys.stdout.flush()
     except InputError as error:
         status = _complain(str(error), 2)
-    except KeyboardInterrupt:
+    except _Interrupted:
         status = _complain("interrupted", 130)
+    except OSError as error:  # of the output; files have said their name already
+        _drop_output()
+        what = f"{error.filename or 'output'}: {(error.strerror or str(error)).lower()}"
+        status = 1 if isinstance(error, BrokenPipeError) else _complain(what, 2)
+    except MemoryError:
+        status = _complain("there is not enough memory for that", 2)
     except Exception as error:
         usage = getattr(
             error, "format_message", None
         )  # command line errors of typer, which has moved their class about
         if usage is None:
             raise
-        status = _complain(f"{usage()} See 'gyrostat --help'.", 2)
+        status = _complain(f"{one_line(usage())} See 'gyrostat --help'.", 2)
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _interrupt(*_: object) -> NoReturn:
+    raise _Interrupted
+
+
+def _drop_output() -> None:
+    """Nobody takes it: what is still waiting must not be tried once more when Python ends."""
+    with suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @app.callback(invoke_without_command=True)
@@ -129,7 +162,7 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="Save: `run.npz` for the data, a folder for data, figure and scenario.")
     ] = None,
-    every: Annotated[int, typer.Option(min=1, help="Record every so many samples.")] = 1,
+    every: Annotated[int | None, typer.Option(min=1, help="Record every so many samples.")] = None,
     as_json: Json = False,
 ) -> None:
     """Fly a scenario and say how it went.
@@ -139,12 +172,11 @@ def run(
     Examples: `gyrostat run wheel2_degraded`, `gyrostat run my.toml --set observer.lambda1=2 --out run.npz`
     """
     flown = _scenario(scenario, settings)
-    if out is not None:
-        _check_target(out)
-    with _progress(f"flying {scenario}") as progress:
-        result = flown.run(every=every, progress=progress)
-    if out is not None:
-        _save(result, out)
+    with _target(out):
+        with _progress(f"flying {scenario}") as progress:
+            result = flown.run(every=every, progress=progress)
+        if out is not None:
+            _save(result, out)
     if as_json:
         _print_json(
             {
@@ -156,11 +188,12 @@ def run(
                 "metrics": result.metrics.to_dict(),
                 "events": [vars(e) for e in result.events],
                 "statistics": dict(result.statistics),
+                "remarks": flown.remarks(),
                 "out": None if out is None else str(out),
             }
         )
     else:
-        typer.echo(_summary(result))
+        typer.echo("; ".join([_summary(result), *flown.remarks()]))
     if not result.completed:
         raise typer.Exit(_complain(f"the run ended at {result.end_time:g} s: {result.cause or result.status}", 3))
 
@@ -181,18 +214,17 @@ def reproduce(
     """
     from gyrostat import papers
 
-    if out is not None:
-        writable_folder(out)
     chosen = [papers.load(name) for name in (papers.available() if paper == "all" else [paper])]
     found = []
-    for one in chosen:
-        with _progress(f"reproducing {one.id}") as progress:
-            found.append(papers.reproduce(one, progress=progress))
     page = None
-    if out is not None:
-        from gyrostat.report import write_report
+    with nullcontext() if out is None else made_folder(out):
+        for one in chosen:
+            with _progress(f"reproducing {one.id}") as progress:
+                found.append(papers.reproduce(one, progress=progress))
+        if out is not None:
+            from gyrostat.report import write_report
 
-        page = write_report(out, found)
+            page = write_report(out, found)
     failed = sum(r.failed for r in found)
     if as_json:
         parts = [r.to_dict() for r in found]
@@ -242,16 +274,22 @@ def check(
     """
     from gyrostat import design
 
+    for option, numbers in (("--effectiveness", effectiveness), ("--torque", torque)):
+        if numbers is not None and not all(math.isfinite(x) for x in numbers):
+            raise InputError(f"{option} {' '.join(map(str, numbers))}: finite numbers belong here")
+    if effectiveness is not None and effectiveness[0] > effectiveness[1]:
+        raise InputError(f"--effectiveness {effectiveness[0]:g} {effectiveness[1]:g}: the lower end comes first")
     checked = _scenario(scenario, settings)
     rows = checked.check()
     findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
     drawn = [] if out is None else _drawn(checked, out)
     if as_json:
-        _print_json({"checks": rows, "design": [vars(f) for f in findings]})
+        _print_json({"checks": rows, "design": [vars(f) for f in findings], "remarks": checked.remarks()})
     else:
         lines: list[tuple[str, ...]] = [
             (r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows
         ]
+        lines += [("scenario", "remark", text) for text in checked.remarks()]
         _print_columns([*lines, *_finding_lines(findings)])
         for picture in drawn:
             typer.echo(f"figure: {picture}")
@@ -271,8 +309,8 @@ def _drawn(scenario: Scenario, out: Path) -> list[Path]:
     figures = {name: figure for draw in design.FIGURES for name, figure in draw(scenario).items()}
     if not figures:
         raise InputError("--out: nothing to draw; figures are of the observer 'learning_disturbance'")
-    folder = writable_folder(out)
-    return [figure.save(folder / f"{name}.png") for name, figure in figures.items()]
+    with made_folder(out) as folder:
+        return [figure.save(folder / f"{name}.png") for name, figure in figures.items()]
 
 
 @app.command()
@@ -354,7 +392,8 @@ def export(
         typer.echo(f"{out / code.name}.fmu: {len(code.rows)} recorded samples beside it")
         return
     typer.echo(f"{out}: {len(code.rows)} recorded samples; build and test it:")
-    typer.echo(f"  cmake -S {out} -B {out}/build && cmake --build {out}/build && ctest --test-dir {out}/build")
+    folder, build = shlex.quote(str(out)), shlex.quote(f"{out}/build")
+    typer.echo(f"  cmake -S {folder} -B {build} && cmake --build {build} && ctest --test-dir {build}")
 
 
 @app.command()
@@ -369,8 +408,8 @@ def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = 
     if out is None:
         typer.echo(text)
         return
-    writable_folder(out.parent)
-    write_text(out, text + "\n")
+    with made_folder(out.parent):
+        write_text(out, text + "\n")
 
 
 def _scenario(name: str, settings: Sequence[str] | None) -> Scenario:
@@ -382,7 +421,8 @@ def _scenario(name: str, settings: Sequence[str] | None) -> Scenario:
 def _changes(settings: Sequence[str] | None) -> dict[str, Any]:
     """Values of `--set`, by key."""
     changes = {}
-    for setting in settings or ():
+    for given in settings or ():
+        setting = unescaped(given)
         key, equals, text = setting.partition("=")
         if not equals or not key.strip():
             raise InputError(f"--set {setting}: write KEY=VALUE, for example --set observer.lambda1=2")
@@ -412,13 +452,17 @@ def _component(family: str, name: str | None) -> tuple[str, str]:
     return owners[0], family
 
 
-def _check_target(out: Path) -> None:
-    """Say before a run that its result could not be written."""
-    if out.suffix and out.suffix != ".npz":
+@contextmanager
+def _target(out: Path | None) -> Iterator[None]:
+    """Say before a run that its result could not be written, and leave no empty folder when it is not."""
+    if out is None:
+        yield
+        return
+    if out.suffix not in ("", ".npz"):
         raise InputError(f"--out {out}: a file ends in .npz; a name without ending is a folder")
-    if out.suffix and out.is_dir():
-        raise InputError(f"--out {out}: is a folder")
-    writable_folder(out.parent if out.suffix else out)
+    checked_target(out if out.suffix else out / "overview.npz")
+    with made_folder(out.parent if out.suffix else out):
+        yield
 
 
 def _save(result: Result, out: Path) -> None:
@@ -527,13 +571,14 @@ def _relation(row: Mapping[str, Any]) -> str:
 
 
 def _complain(text: str, status: int) -> int:
-    typer.echo(f"error: {text}", err=True)
+    with suppress(OSError):  # nobody listens there either
+        typer.echo(f"error: {text}", err=True)
     return status
 
 
 @contextmanager
 def _progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr that appears when the work takes longer than `patience` seconds."""
+    """A bar on stderr, if that is a terminal, that appears when the work takes longer than `patience` seconds."""
     started = time.monotonic()
     bar: Any = None
     task: Any = None
@@ -541,7 +586,7 @@ def _progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], N
     def report(fraction: float) -> None:
         nonlocal bar, task
         if bar is None:
-            if time.monotonic() - started < patience:
+            if time.monotonic() - started < patience or not sys.stderr.isatty():
                 return
             from rich.console import Console
             from rich.progress import Progress

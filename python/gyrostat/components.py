@@ -17,11 +17,15 @@ from numpy.typing import NDArray
 
 from gyrostat import _core
 from gyrostat.errors import InputError, input_errors
+from gyrostat.text import shown
+from gyrostat.toml import MAX_DEPTH
 
 Vector: TypeAlias = Sequence[float] | NDArray[np.float64]
 """Three numbers, or one an actuator."""
 Matrix: TypeAlias = Sequence[Sequence[float]] | NDArray[np.float64]
 """Rows of numbers."""
+UNBOUNDED = float(np.finfo(float).max)
+"""The largest number; as a bound it says: any finite one."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -38,7 +42,7 @@ class Component:
     @classmethod
     def of(cls, name: str, params: Mapping[str, Any]) -> Component:
         """From the name of a type and a mapping of parameters; an absent value (None) counts as not written."""
-        return cls(name, tuple(sorted((k, freeze(v)) for k, v in params.items() if v is not None)))
+        return _component(name, params, 0)
 
     @property
     def params(self) -> dict[str, Any]:
@@ -54,18 +58,60 @@ class Component:
 
 
 def freeze(value: Any) -> Any:
-    """A hashable copy: lists and arrays become tuples, a table with a ``type`` a `Component`."""
+    """A hashable copy: lists and arrays become tuples, a table with a ``type`` a `Component`.
+
+    Raises
+    ------
+    InputError
+        Something that no file could say, or that is nested too deeply: a value that holds itself, for one.
+    """
+    return _frozen(value, 0)
+
+
+def _frozen(value: Any, depth: int) -> Any:
+    if depth > MAX_DEPTH:
+        raise InputError(f"{shown(value)} lies more than {MAX_DEPTH} lists and tables deep, or holds itself")
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
         if not isinstance(value.get("type"), str):
-            raise InputError(f"{dict(value)!r} needs a key 'type' with the name of a component")
-        return Component.of(value["type"], {k: v for k, v in value.items() if k != "type"})
+            raise InputError(f"{shown(dict(value))} needs a key 'type' with the name of a component")
+        return _component(value["type"], {k: v for k, v in value.items() if k != "type"}, depth)
     if isinstance(value, list | tuple):
-        return tuple(freeze(v) for v in value)
-    if isinstance(value, bool | int | float | str | Component):
+        return tuple(_frozen(v, depth + 1) for v in value)
+    if isinstance(value, str):
+        return checked_text(value)
+    if isinstance(value, int) and not abs(value) <= UNBOUNDED:
+        raise InputError(f"{shown(value)} is beyond the largest number, {UNBOUNDED:.2g}")
+    if isinstance(value, bool | int | float | Component):
         return value
-    raise InputError(f"{value!r} is a {type(value).__name__}; a number, text, list or component belongs here")
+    if isinstance(value, type):
+        raise InputError(f"{value.__name__} is a class; an object of it belongs here: {value.__name__}(...)")
+    raise InputError(f"{shown(value)} is a {type(value).__name__}; a number, text, list or component belongs here")
+
+
+def _component(name: str, params: Mapping[str, Any], depth: int) -> Component:
+    if not all(isinstance(key, str) for key in (name, *params)):
+        raise InputError(f"{shown(name)}, {shown(list(params))}: names of a component and its parameters are texts")
+    items = [(checked_text(k), _frozen(v, depth + 1)) for k, v in params.items() if v is not None]
+    return Component(checked_text(name), tuple(sorted(items, key=lambda item: item[0])))
+
+
+def checked_text(text: str) -> str:
+    """The text.
+
+    Raises
+    ------
+    InputError
+        It holds half of a surrogate pair and cannot be written as UTF-8.
+    """
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"{shown(text)} is no text: character {error.start} is half of a pair, U+{ord(text[error.start]):04X}"
+        ) from None
+    return text
 
 
 def thaw(value: Any) -> Any:
@@ -152,10 +198,6 @@ def describe_parameter(param: Mapping[str, Any]) -> str:
     if param["default"] is not None:
         facts.append(f"default {param['default']}" + (" (scales with the vehicle)" if param["scales"] else ""))
     return "; ".join(facts)
-
-
-UNBOUNDED = float(np.finfo(float).max)
-"""A bound that says: any finite number."""
 
 
 def range_text(param: Mapping[str, Any]) -> str:

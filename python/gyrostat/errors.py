@@ -7,9 +7,18 @@ import difflib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
+from gyrostat.text import one_line
+
 
 class InputError(ValueError):
-    """Something the user wrote cannot be used. The text is one complete line."""
+    """Something the user wrote cannot be used. The text is one complete line, whatever went into it."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(one_line(text))
+
+
+class FileError(InputError, OSError):
+    """A file or folder that cannot be read or written: also an ``OSError``."""
 
 
 @contextmanager

@@ -21,7 +21,7 @@ def LossOfEffectiveness(
     t_off
         end; infinity: permanent; s; [0, inf]; default inf
     remaining
-        delivered / commanded; 1 is healthy, 0 delivers no command; default 0.5
+        delivered / commanded; 1 is healthy, 0 delivers no command; [-2, 2]; default 0.5
     """
 
 def Bias(
@@ -169,7 +169,7 @@ def Intermittent(
     duty
         fraction of a period that is faulty; [0, 1]; default 0.5
     remaining
-        delivered / commanded while faulty; default 0.0
+        delivered / commanded while faulty; [-2, 2]; default 0.0
     torque
         added to what is delivered while faulty; N m; default 0.0
     """

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationError
 
 from gyrostat.components import freeze, thaw
 from gyrostat.errors import InputError, suggestion
+from gyrostat.text import shown
 
 
 def freeze_or_none(value: Any) -> Any:
@@ -28,7 +29,7 @@ class Model(BaseModel):
 
     if not TYPE_CHECKING:  # type checkers see the keyword arguments of the fields
 
-        def __init__(self, **data):
+        def __init__(self, /, **data):
             try:
                 super().__init__(**data)
             except ValidationError as error:
@@ -54,4 +55,4 @@ def one_line(model: type[BaseModel], error: ValidationError) -> str:
     if first["type"] == "value_error":  # raised by a validator of ours: the text is complete
         text = str(first["ctx"]["error"])
         return f"{path}: {text}" if path else text
-    return f"{path} = {first['input']!r}: {first['msg'][0].lower()}{first['msg'][1:]}"
+    return f"{path} = {shown(first['input'])}: {first['msg'][0].lower()}{first['msg'][1:]}"

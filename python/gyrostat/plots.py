@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import json
+import warnings
+import zipfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gyrostat.errors import InputError
 from gyrostat.files import replacing
+from gyrostat.text import printable
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
@@ -149,12 +153,22 @@ class Figure:
         -------
         Path
             The picture.
+
+        Raises
+        ------
+        InputError
+            An ending that is no picture's, a file that cannot be written, or one beside it that holds other data.
         """
-        target = Path(path)
-        with replacing(target) as temporary:
-            self.canvas.savefig(temporary, dpi=130, metadata={"Date": None} if target.suffix == ".svg" else None)
-        with replacing(target.with_suffix(".npz")) as temporary:
-            np.savez_compressed(temporary, units=np.array(json.dumps(self.units)), **self.data)  # type: ignore[arg-type]
+        target, known = Path(path), set(self.canvas.canvas.get_supported_filetypes()) - {"pgf", "raw", "rgba"}
+        if target.suffix[1:].lower() not in known:
+            raise InputError(f"{path}: a figure is saved as one of: {', '.join(sorted(known))}")
+        beside = target.with_suffix(".npz")
+        if not _holds_figure(beside):
+            raise InputError(f"{path}: {beside.name} is there and is no figure's data; choose another name")
+        with replacing(target) as picture, replacing(beside) as data, warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)  # it is drawn as a box
+            self.canvas.savefig(picture, dpi=130, metadata={"Date": None} if target.suffix == ".svg" else None)
+            np.savez_compressed(data, units=np.array(json.dumps(self.units)), **self.data)  # type: ignore[arg-type]
         return target
 
     def _remember(self, name: str, t: NDArray[np.float64], x: NDArray[np.float64], unit: str) -> None:
@@ -170,6 +184,23 @@ class Figure:
         self.data.setdefault(clock, t)
         self.data[key] = x
         self.units |= {key: unit, clock: self._unit}
+
+
+def _holds_figure(path: Path) -> bool:
+    """Whether the data of a figure may take this place: nothing is there, or those of another figure."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return "units.npy" in archive.namelist()
+    except OSError:  # not there; or what keeps it from being written is said by who writes
+        return True
+    except (ValueError, zipfile.BadZipFile):
+        return False
+
+
+def _plain(text: str) -> str:
+    """A text as matplotlib shows it as it is: one line, dollars without mathematics."""
+    line = printable(text)
+    return (line if len(line) <= 120 else f"{line[:117]}...").replace("$", r"\$")
 
 
 def thin(t: NDArray[np.float64], x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -205,7 +236,7 @@ def overview(result: Result) -> Figure:
     ]
     shown = [p for p in panels if p[0] in result.channels]
     name = str(result.description.get("name") or result.description.get("description") or "run")
-    figure = Figure(name, rows=max(len(shown), 1))
+    figure = Figure(_plain(name), rows=max(len(shown), 1))
     for row, (channel, title, unit, labels, log) in enumerate(shown):
         x = np.degrees(result[channel]) if unit == "deg" else result[channel]
         columns = labels or tuple(f"actuator {i}" for i in range(x.shape[1] if x.ndim > 1 else 1))

@@ -18,7 +18,7 @@ def Hold(
     mrp
         attitude as MRP, instead of q_NR
     euler
-        attitude as roll, pitch, yaw, instead of q_NR; rad
+        attitude as roll, pitch, yaw, instead of q_NR; rad; [-6.28319, 6.28319]
     """
 
 def Steps(
@@ -34,7 +34,7 @@ def Steps(
     times
         instants of the jumps, increasing; the first attitude holds before them too; s; >= 0; default []
     euler
-        one row [roll, pitch, yaw] a time; rad; default []
+        one row [roll, pitch, yaw] a time; rad; [-6.28319, 6.28319]; default []
     mrp
         one row a time, instead of euler; default []
     """
@@ -53,9 +53,9 @@ def Slew(
     duration
         how long it takes; s; >= 1e-09
     from_euler
-        roll, pitch, yaw before; rad; default [0.0, 0.0, 0.0]
+        roll, pitch, yaw before; rad; [-6.28319, 6.28319]; default [0.0, 0.0, 0.0]
     to_euler
-        roll, pitch, yaw after; rad; default [0.0, 0.0, 0.0]
+        roll, pitch, yaw after; rad; [-6.28319, 6.28319]; default [0.0, 0.0, 0.0]
     start
         when it begins; s; >= 0; default 0.0
     """
@@ -93,9 +93,9 @@ def EulerSine(
     Parameters
     ----------
     offset
-        mean roll, pitch, yaw; rad; default [0.0, 0.0, 0.0]
+        mean roll, pitch, yaw; rad; [-6.28319, 6.28319]; default [0.0, 0.0, 0.0]
     amplitude
-        of each angle; rad; default [0.0, 0.0, 0.0]
+        of each angle; rad; [-6.28319, 6.28319]; default [0.0, 0.0, 0.0]
     frequency
         of each angle; rad/s; [-1000, 1000]; default [0.0, 0.0, 0.0]
     phase
@@ -114,7 +114,7 @@ def Sine(
     Parameters
     ----------
     euler
-        roll, pitch, yaw at the start; rad; default [0.0, 0.0, 0.0]
+        roll, pitch, yaw at the start; rad; [-6.28319, 6.28319]; default [0.0, 0.0, 0.0]
     amplitude
         of each rate; rad/s; [-10, 10]; default [0.0, 0.0, 0.0]
     frequency

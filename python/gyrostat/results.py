@@ -4,18 +4,17 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gyrostat.errors import InputError, suggestion
-from gyrostat.files import replacing
+from gyrostat.files import file_errors, replacing
 from gyrostat.metrics import Metrics
 
 if TYPE_CHECKING:
@@ -160,20 +159,23 @@ class Result:
         Returns
         -------
         Path
-            The file, with the ending ``.npz``.
+            The file; a name without ending gets ``.npz``.
+
+        Raises
+        ------
+        InputError
+            Another ending, or a file that cannot be written. What was there before is still there then.
         """
-        target = Path(path).with_suffix(".npz")
-        facts = {
-            "scenario": self.description,
-            "events": [vars(e) for e in self.events],
-            "status": self.status,
-            "cause": self.cause,
-            "end_time": self.end_time,
-            "statistics": dict(self.statistics),
-            "meta": {k: dict(v) for k, v in self.meta.items()},
-        }
+        from gyrostat.saved import Facts
+
+        target = Path(path)
+        if target.suffix not in ("", ".npz"):
+            raise InputError(f"{path}: a result is saved as .npz; write that ending, or none")
+        with file_errors(path, "cannot be written"):
+            target = target.with_suffix(".npz")
+        facts = np.array(json.dumps(Facts.of(self).model_dump()))
         with replacing(target) as temporary:
-            np.savez_compressed(temporary, t=self.t, facts=np.array(json.dumps(facts)), **self.channels)  # type: ignore[arg-type]
+            np.savez_compressed(temporary, t=self.t, facts=facts, **self.channels)  # type: ignore[arg-type]
         return target
 
     @classmethod
@@ -185,24 +187,29 @@ class Result:
         InputError
             The file is not there or is not a saved result.
         """
-        from gyrostat.scenario import Scenario
+        with file_errors(path, "cannot be read"), Path(path).open("rb") as file:
+            try:
+                return cls._unpacked(file)
+            except InputError as error:
+                raise InputError(f"{path}: is not a saved result: {error}") from None
+            except Exception:  # a damaged archive is told in a dozen ways
+                raise InputError(f"{path}: is not a saved result") from None
 
-        try:
-            with np.load(path, allow_pickle=False) as data:
-                arrays = {name: data[name] for name in data.files}
-            facts = json.loads(str(arrays.pop("facts")))
-            t = arrays.pop("t")
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read: {(error.strerror or str(error)).lower()}") from None
-        except (KeyError, ValueError, zipfile.BadZipFile):
-            raise InputError(f"{path}: is not a saved result") from None
-        for array in arrays.values():
+    @classmethod
+    def _unpacked(cls, file: IO[bytes]) -> Result:
+        """Read and hold everything against what a run can leave."""
+        from gyrostat.saved import Facts
+
+        with np.load(file, allow_pickle=False) as data:
+            arrays = {name: data[name] for name in data.files}
+        facts, t = Facts(**json.loads(str(arrays.pop("facts")))), arrays.pop("t")
+        scenario = facts.flown()
+        facts.hold_against(t, arrays)
+        for array in (t, *arrays.values()):
             array.flags.writeable = False
-        events = tuple(Event(**e) for e in facts.pop("events"))
-        tables = facts.pop("scenario")
-        flew_python = any(isinstance(v, dict) and v.get("type") == "python" for v in tables.values())
-        scenario: Scenario | dict[str, Any] = tables if flew_python else Scenario.from_dict(tables)
-        return cls(scenario, t, arrays, events, **facts)
+        events = tuple(Event(**vars(e)) for e in facts.events)
+        meta = {name: dict(m) for name, m in facts.meta.items()}
+        return cls(scenario, t, arrays, events, facts.status, facts.cause, facts.end_time, dict(facts.statistics), meta)
 
     def plot(self) -> Figure:
         """An overview: pointing error, rate, commands and effectiveness, with the faults marked."""

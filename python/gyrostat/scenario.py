@@ -4,16 +4,20 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import PlainValidator, ValidationInfo, model_validator
 
 from gyrostat import _core, protocols, toml
-from gyrostat.components import Component, freeze, thaw
+from gyrostat.components import Component, checked_text, freeze, thaw
 from gyrostat.errors import InputError, input_errors, suggestion
+from gyrostat.memory import available_memory
 from gyrostat.model import Model
+from gyrostat.text import shown
 from gyrostat.vehicle import Initial, Truth, Vehicle
 
 if TYPE_CHECKING:
@@ -24,24 +28,71 @@ Channels = Sequence[str]
 _shipped = Path(__file__).parent
 
 
-def _component(value: Any) -> Any:
+def _component(value: Any, info: ValidationInfo) -> Any:
     """A component from a `Component`, a table with a type, or a name."""
     if value is None or isinstance(value, Component):
         return value
-    return Component(value) if isinstance(value, str) else freeze(value)
+    if isinstance(value, str):
+        return Component(checked_text(value))
+    if isinstance(value, Mapping):
+        return freeze(value)
+    if isinstance(value, bool | int | float | list | tuple):
+        raise InputError(f"{shown(value)} is a {type(value).__name__}; a component belongs here")
+    family = str(info.field_name).removesuffix("s")
+    shaped = " with waveforms (gyrostat.waveforms) in them" if family in ("fault", "disturbance") else ""
+    raise InputError(
+        f"{_class_of(value).__name__} is a Python object, which only an observer, detector, controller or allocator "
+        f"that closes the loop can be; for '{family}' there are: {', '.join(_core.catalogue()[family])}{shaped}"
+    )
 
 
-def _role(value: Any) -> Any:
+def _role(value: Any, info: ValidationInfo) -> Any:
     """A component, or any Python object that can step."""
     if callable(getattr(value, "step", None)) and not isinstance(value, type):
         return value
-    return _component(value)
+    if value is None or isinstance(value, Component | str | Mapping):
+        return _component(value, info)
+    name = _class_of(value).__name__
+    if isinstance(value, type):
+        raise InputError(f"{name} is a class; an object of it belongs here: {name}(...)")
+    raise InputError(
+        f"{shown(value)} is a {name} without step(...); a name, a component or an object with step belongs here"
+    )
 
 
-def _components(value: Any) -> tuple[Component, ...]:
-    if isinstance(value, Component | str | Mapping):
-        raise InputError(f"{value!r} must be a list of components")
-    return tuple(_component(v) for v in value)
+def _class_of(value: Any) -> type:
+    return value if isinstance(value, type) else type(value)
+
+
+def _components(value: Any, info: ValidationInfo) -> tuple[Component, ...]:
+    if not isinstance(value, list | tuple):
+        raise InputError(f"{shown(value)} must be a list of components")
+    return tuple(_component(v, info) for v in value)
+
+
+def _names(value: Any) -> tuple[str, ...] | None:
+    """Names of channels: a list, never a single text, which is a list of letters to Python."""
+    if value is None:
+        return None
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        example = value if isinstance(value, str) else "truth.*"
+        raise InputError(f"{shown(value)} is no list of names; write ['{example}']")
+    names = tuple(value)
+    for name in names:
+        if not isinstance(name, str):
+            raise InputError(f"{shown(name)} is no text; the name of a channel belongs here")
+    return tuple(map(checked_text, names))
+
+
+def _every(value: Any) -> int:
+    """Every how many samples are recorded."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = 0
+    if not 1 <= number <= 10**9 or isinstance(value, bool):
+        raise InputError(f"{shown(value)} is no whole number from 1 to 1000000000")
+    return number
 
 
 _One = Annotated[Component | str | None, PlainValidator(_component)]
@@ -64,8 +115,8 @@ class Shadow(Model):
 class Record(Model):
     """What a run keeps: names of channels (the usual ones when absent), and every how many samples."""
 
-    channels: Annotated[Sequence[str] | None, PlainValidator(lambda v: None if v is None else freeze(v))] = None
-    every: Annotated[int, Field(ge=1)] = 1
+    channels: Annotated[Sequence[str] | None, PlainValidator(_names)] = None
+    every: Annotated[int, PlainValidator(_every)] = 1
 
 
 class Scenario(Model):
@@ -139,9 +190,14 @@ class Scenario(Model):
     @model_validator(mode="before")
     @classmethod
     def _plain(cls, data: Any) -> Any:
-        """Lists to tuples where the models want tuples."""
-        if isinstance(data, dict) and isinstance(data.get("shadows"), list):
-            data = {**data, "shadows": tuple(data["shadows"])}
+        """Lists to tuples where the models want tuples; tables need texts as keys to become models."""
+        if isinstance(data, dict):
+            if isinstance(data.get("shadows"), list):
+                data = {**data, "shadows": tuple(data["shadows"])}
+            shadows = data.get("shadows")
+            for table in (*data.values(), *(shadows if isinstance(shadows, tuple) else ())):
+                if isinstance(table, dict) and not all(isinstance(key, str) for key in table):
+                    raise InputError(f"{shown(table)}: the keys of a table are texts")
         return data
 
     @model_validator(mode="after")
@@ -170,6 +226,9 @@ class Scenario(Model):
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any]) -> Scenario:
         """From the tables of a TOML file, or of `to_dict`."""
+        given: Any = tables
+        if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+            raise InputError(f"{shown(tables)} is no table of a scenario: a dictionary with texts as keys")
         return cls(**tables)
 
     def to_dict(self) -> dict[str, Any]:
@@ -198,7 +257,7 @@ class Scenario(Model):
             write_text(Path(path), text)
         return text
 
-    def replace(self, **changes: Any) -> Scenario:
+    def replace(self, /, **changes: Any) -> Scenario:
         """A copy with other values. Dotted keys reach inside: ``replace(**{"observer.lambda1": 2.0})``.
 
         A list is entered by position (``faults.0.remaining``).
@@ -220,6 +279,19 @@ class Scenario(Model):
         with input_errors():
             return _core.check(tables, components)
 
+    def remarks(self) -> list[str]:
+        """What is allowed and yet looks like a mistake, one line each; nothing is refused for it.
+
+        A run may be shorter than a fault is late (a look at the first seconds, a recording), so that a fault that never
+        begins is said and not refused.
+        """
+        onsets = [(f"faults[{i}] '{f.type}'", f.params.get("t_on", 0.0)) for i, f in enumerate(self.faults)]
+        return [
+            f"{fault} never begins: t_on = {t_on:g} s, and the run ends at {self.duration:g} s"
+            for fault, t_on in onsets
+            if t_on >= self.duration
+        ]
+
     def resolve(self) -> dict[str, Any]:
         """The scenario with every default filled in, as plain tables."""
         return _core.resolve(*self._split())
@@ -232,7 +304,7 @@ class Scenario(Model):
         self,
         *,
         channels: Channels | None = None,
-        every: int = 1,
+        every: int | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Result:
         """Fly it. The loop runs without Python's global lock: threads run scenarios in parallel.
@@ -246,9 +318,9 @@ class Scenario(Model):
             Names to record instead of the scenario's own choice (``estimate.*`` for a group); fewer are faster and
             smaller.
         every
-            Record every so many samples.
+            Record every so many samples, instead of the scenario's own choice.
         progress
-            Called now and then with the finished fraction, 0 to 1.
+            Called now and then with the finished fraction, 0 to 1. What it raises ends the run and reaches the caller.
 
         Returns
         -------
@@ -258,18 +330,25 @@ class Scenario(Model):
         Raises
         ------
         InputError
-            A channel that does not exist, or a Python component that cannot be copied.
+            A channel that does not exist, a record that needs more memory than there is, or a Python component that
+            cannot be copied.
         """
         from gyrostat.results import Result
 
         tables, components = self._split()
         components = _copies(components)
-        chosen = None if channels is None else list(channels)
+        with input_errors("channels"):
+            chosen = None if channels is None else list(_names(channels) or ())
+        with input_errors("every"):
+            fewer = 0 if every is None else _every(every)
+        if progress is not None and not callable(progress):
+            raise InputError(f"progress: {shown(progress)} cannot be called")
+        room = available_memory()
         if components:  # what a Python component raises reaches the caller as it is
-            raw = _core.simulate(tables, components, chosen, every, progress)
+            raw = _core.simulate(tables, components, chosen, fewer, progress, room)
         else:
             with input_errors():
-                raw = _core.simulate(tables, components, chosen, every, progress)
+                raw = _core.simulate(tables, components, chosen, fewer, progress, room)
         return Result.from_core(self, raw, components)
 
     def _python_components(self) -> dict[str, object]:
@@ -304,10 +383,13 @@ def _can_be_copied(component: object) -> bool:
 
 def find(name: str | Path) -> Path:
     """The file of a scenario: a path, or the name of a shipped one."""
+    if not isinstance(name, str | Path):
+        raise InputError(f"{shown(name)} is no text and no path; the name or the file of a scenario belongs here")
     path = Path(name)
-    if path.suffix == ".toml" or path.exists():
-        return path
     known = shipped()
+    with suppress(OSError):  # too long for a file, say: then it is no file
+        if path.suffix == ".toml" or path.exists():
+            return path
     if str(name) in known:
         return known[str(name)]
     raise InputError(f"no scenario '{name}'{suggestion(str(name), known)}")
@@ -340,10 +422,10 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
             target = target[_position(target, part, ".".join(path[: depth + 1]))]
         elif isinstance(target, dict):
             if isinstance(target.get(part), Component | str):  # a component by its name alone
-                target[part] = _table(_component(target[part]))
+                target[part] = _table(Component(target[part]) if isinstance(target[part], str) else target[part])
             target = target.setdefault(part, {})
         if not isinstance(target, dict | list):
-            raise InputError(f"'{key}': '{'.'.join(path[: depth + 1])}' = {target!r} has no keys")
+            raise InputError(f"'{key}': '{'.'.join(path[: depth + 1])}' = {shown(target)} has no keys")
     if isinstance(target, list):
         target[_position(target, last, key)] = value
     else:
@@ -351,7 +433,7 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _position(entries: list[Any], part: str, key: str) -> int:
-    if part.isdigit() and int(part) < len(entries):
+    if part.isascii() and part.isdecimal() and len(part) < 10 and int(part) < len(entries):
         return int(part)
     allowed = f"0 to {len(entries) - 1}" if entries else "no entry: the list is empty"
     raise InputError(f"'{key}': '{part}' is no position in the list; allowed: {allowed}")

@@ -13,23 +13,25 @@ from gyrostat.scenario import Record, Scenario, Shadow
 _number = {"type": "number"}
 _numbers = {"type": "array", "items": _number}
 _rows = {"type": "array", "items": _numbers}
-_waveform = {"anyOf": [_number, {"$ref": "#/$defs/waveform"}]}
+_waveform = {"if": {"type": "object"}, "then": {"$ref": "#/$defs/waveform"}, "else": _number}
+_three = {"minItems": 3, "maxItems": 3}
+_one_or_more = {"type": ["number", "array"]}
 _kinds: dict[str, dict[str, Any]] = {
     "number": _number,
     "integer": {"type": "integer"},
     "switch": {"type": "boolean"},
     "text": {"type": "string"},
-    "vector3": {"anyOf": [_number, {**_numbers, "minItems": 3, "maxItems": 3}]},
-    "matrix3": {"anyOf": [_number, {**_numbers, "minItems": 3, "maxItems": 3}, _rows]},
-    "columns3": {**_rows, "minItems": 3, "maxItems": 3},
+    "vector3": {**_one_or_more, "items": _number, **_three},
+    "matrix3": {**_one_or_more, "items": {**_one_or_more, "items": _number, **_three}, **_three},
+    "columns3": {**_rows, **_three},
     "quaternion": {**_numbers, "minItems": 4, "maxItems": 4},
-    "per_actuator": {"anyOf": [_number, _numbers]},
+    "per_actuator": {**_one_or_more, "items": _number},
     "mask": {"type": "array", "items": {"type": "integer", "minimum": 0}},
     "numbers": _numbers,
     "rows": _rows,
     "waveform": _waveform,
     "waveforms": {"type": "array", "items": _waveform},
-    "waveforms3": {"type": "array", "items": _waveform, "minItems": 3, "maxItems": 3},
+    "waveforms3": {"type": "array", "items": _waveform, **_three},
 }
 _lists = {"faults": "fault", "disturbances": "disturbance", "sensors": "sensor"}
 _blocks = ("vehicle", "truth", "initial")
@@ -61,16 +63,26 @@ def scenario_schema() -> dict[str, Any]:
 
 
 def _family(family: str) -> dict[str, Any]:
-    return {"anyOf": [_table(_core.describe(family, name), typed=True) for name in _core.catalogue()[family]]}
+    """A name alone, or a table whose ``type`` decides what else it may hold: a mistake is told of that type alone."""
+    names = {"enum": _core.catalogue()[family]}
+    members = [_core.describe(family, name) for name in names["enum"]]
+    table = {
+        "type": "object",
+        "required": ["type"],
+        "properties": {"type": names},
+        "allOf": [
+            {"if": {"properties": {"type": {"const": info["name"]}}, "required": ["type"]}, "then": _table(info)}
+            for info in members
+        ],
+    }
+    return table if family == "waveform" else {"if": {"type": "string"}, "then": names, "else": table}
 
 
-def _table(info: Mapping[str, Any], *, typed: bool = False) -> dict[str, Any]:
+def _table(info: Mapping[str, Any]) -> dict[str, Any]:
     properties = {p["name"]: _parameter(p) for p in info["params"]}
-    required = [p["name"] for p in info["params"] if p["required"]]
-    if typed:
+    if info["name"] != info["family"]:
         properties = {"type": {"const": info["name"]}, **properties}
-        required = ["type", *required]
-    return _closed(properties, required)
+    return _closed(properties, [p["name"] for p in info["params"] if p["required"]])
 
 
 def _closed(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:

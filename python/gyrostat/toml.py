@@ -11,6 +11,20 @@ from pathlib import Path
 from typing import Any
 
 from gyrostat.errors import InputError
+from gyrostat.files import file_errors
+
+MAX_BYTES = 4 * 2**20
+"""Of a file. A table of a hundred thousand points fits; reading it takes seconds."""
+MAX_DEPTH = 64
+"""Brackets inside brackets, parts of a dotted key, and lists and tables inside each other in a scenario."""
+
+_opaque = re.compile(  # brackets and dots mean nothing in strings and comments, closed or not
+    r'"""(?:[^"\\]++|\\.|"(?!""))*+(?:"{3,5})?|"(?:[^"\\\n]++|\\.)*+"?|'
+    r"'''(?:[^']++|'(?!''))*+(?:'{3,5})?|'[^'\n]*+'?|#[^\n]*+",
+    re.DOTALL,
+)
+_bracket = re.compile(r"[\[\]{}]")
+_dotted = re.compile(r"(?<![\w-])[\w-]++(?:[ \t]*+\.[ \t]*+[\w-]++)++")
 
 
 def read(path: Path) -> dict[str, Any]:
@@ -19,26 +33,66 @@ def read(path: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        Unreadable, truncated or malformed: with the file and the line.
+        Unreadable, too large, truncated or malformed: with the file and the line.
     """
+    with file_errors(path, "cannot be read"), path.open("rb") as file:
+        data = file.read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise InputError(f"{path}: is larger than {MAX_BYTES // 2**20} MiB, the most that is read")
     try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {(error.strerror or str(error)).lower()}") from None
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: byte {error.start} is not UTF-8 text") from None
     try:
-        return tomllib.loads(text)
+        return _tables(text)
+    except _BeyondLimitError as error:
+        raise InputError(f"{path}: {error}") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: {_located(str(error), text)}") from None
 
 
 def value(text: str) -> Any:
-    """A value as TOML reads it; a bare word is a text, so that ``--set observer.method=implicit`` needs no quotes."""
+    """A value as TOML reads it; a bare word is a text, so that ``--set observer.method=implicit`` needs no quotes.
+
+    Raises
+    ------
+    InputError
+        Deeper than a file may be.
+    """
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        tables = _tables(f"value = {text}")
+    except _BeyondLimitError as error:
+        raise InputError(f"{text[:40]} ...: {error}") from None
     except tomllib.TOMLDecodeError:
         return text
+    return tables["value"] if len(tables) == 1 else text
+
+
+class _BeyondLimitError(Exception):
+    """What is TOML, but more of it than we read."""
+
+
+def _tables(text: str) -> dict[str, Any]:
+    """Parsed within the limits; the parser itself recurses, and takes the square of a key's parts."""
+    plain = _opaque.sub(lambda found: "_" + "\n" * found[0].count("\n"), text)
+    depth = 0
+    for found in _bracket.finditer(plain):
+        depth += 1 if found[0] in "[{" else -1
+        if depth > MAX_DEPTH:
+            raise _BeyondLimitError(f"{_line(plain, found)}: more than {MAX_DEPTH} brackets inside each other")
+    for found in _dotted.finditer(plain):
+        if found[0].count(".") >= MAX_DEPTH:
+            raise _BeyondLimitError(f"{_line(plain, found)}: a key of more than {MAX_DEPTH} parts")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except ValueError:  # int() takes the square of the digits, and refuses thousands of them
+        raise _BeyondLimitError("a number of thousands of digits") from None
+
+
+def _line(text: str, at: re.Match[str]) -> str:
+    return f"line {text.count(chr(10), 0, at.start()) + 1}"
 
 
 def write(tables: Mapping[str, Any]) -> str:

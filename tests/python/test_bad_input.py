@@ -12,6 +12,32 @@ import pytest
 
 import gyrostat as gs
 
+
+class Silent:
+    """Forgets its return statement."""
+
+    def step(self, *_: object) -> None: ...
+
+
+def circle() -> list[Any]:
+    inside: list[Any] = []
+    inside.append(inside)
+    return inside
+
+
+def circle_of_tables() -> dict[str, Any]:
+    inside: dict[str, Any] = {"type": "hold"}
+    inside["euler"] = inside
+    return inside
+
+
+def levels(number: int) -> list[Any]:
+    inside: list[Any] = []
+    for _ in range(number):
+        inside = [inside]
+    return inside
+
+
 # what is changed -> what the message must say
 CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
     "wrong type of a number": ({"dt": "fast"}, ["dt = 'fast'", "number"]),
@@ -76,6 +102,42 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
     "unknown key of a shadow": ({"shadows": [{"obs": "passthrough"}]}, ["shadows[0]", "obs", "observer"]),
     "seed that is no whole number": ({"seed": 1.5}, ["seed = 1.5", "integer"]),
     "an object that cannot fly": ({"controller": object()}, ["controller", "object"]),
+    "a class instead of an object": ({"controller": Silent}, ["controller", "Silent is a class", "Silent(...)"]),
+    "a disturbance in Python": (
+        {"disturbances": [Silent()]},
+        ["disturbances", "Silent is a Python object", "controller", "constant, periodic", "gyrostat.waveforms"],
+    ),
+    "a fault in Python": ({"faults": [Silent()]}, ["faults", "Silent", "loss_of_effectiveness", "dead_zone"]),
+    "a sensor in Python": ({"sensors": [Silent]}, ["sensors", "Silent", "gyro, attitude"]),
+    "a reference in Python": ({"reference": Silent()}, ["reference", "Silent", "hold, steps, slew"]),
+    "a shadow in Python": ({"shadows": [{"observer": Silent()}]}, ["shadows[0]", "observer", "Silent", "passthrough"]),
+    "channels that are one text": ({"record.channels": "error.angle"}, ["record: channels", "['error.angle']"]),
+    "a channel that is no text": ({"record.channels": [3]}, ["record: channels", "3 is no text"]),
+    "no sample between two": ({"record.every": 0}, ["record: every", "0", "1 to 1000000000"]),
+    "per cent": ({"faults.0.remaining": 40}, ["remaining = 40", "[-2, 2]", "looks like per cent"]),
+    "per cent in a waveform": (
+        {"faults.0.remaining": {"type": "sum", "terms": [40, {"type": "sine", "amplitude": 5.0}]}},
+        ["remaining = {type = 'sum', ...}", "looks like per cent"],
+    ),
+    "degrees": ({"initial": {"euler": [10.0, 20.0, 30.0]}}, ["initial: euler", "looks like degrees"]),
+    "degrees of a slew": (
+        {"reference": {"type": "slew", "to_euler": [0.0, 0.0, 90.0], "duration": 9.0}},
+        ["reference 'slew'", "to_euler", "looks like degrees"],
+    ),
+    "degrees in rows": (
+        {"reference": {"type": "steps", "times": [0.0], "euler": [[0.0, 0.0, 90.0]]}},
+        ["reference 'steps'", "euler", "looks like degrees"],
+    ),
+    "a digit that is no position": ({"faults.².t_on": 1.0}, ["'faults.²'", "0 to 0"]),
+    "a key with the name of our own argument": ({"self": 1}, ["unknown key 'self'"]),
+    "a table whose keys are no texts": ({"vehicle": {0: 1.0}}, ["{0: 1.0}", "texts"]),
+    "an integer beyond all numbers": ({"seed": 10**400}, ["seed", "integer beyond", "1.8e308"]),
+    "an integer that Python itself does not write": ({"initial": {"mrp": 10**6000}}, ["initial", "mrp", "6001 digits"]),
+    "half of a surrogate pair": ({"name": "\ud800"}, ["name", "surrogate"]),
+    "a value that holds itself": ({"initial": {"mrp": circle()}}, ["initial", "mrp", "64", "holds itself"]),
+    "a table that holds itself": ({"reference": circle_of_tables()}, ["reference", "64", "holds itself"]),
+    "two thousand levels": ({"initial": {"mrp": levels(2000)}}, ["initial", "mrp", "64"]),
+    "a line break in a name": ({"observer": "a\nb"}, ["no observer 'a b'"]),
 }
 
 
@@ -155,7 +217,7 @@ def test_a_failed_save_leaves_nothing_behind(
         raise OSError(28, os.strerror(28))
 
     monkeypatch.setattr("gyrostat.results.np.savez_compressed", broken)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(gs.InputError, match=r"run\.npz: cannot be written: no space left"):
         result.save(tmp_path / "run.npz")
     assert list(tmp_path.iterdir()) == []
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from gyrostat import _core
 from gyrostat.export.folder import copy_headers, filled
 from gyrostat.export.model import FlightCode, Parameter, literal
+from gyrostat.export.places import comment, markdown
 from gyrostat.export.recording import write_recording
 
 BASE_HEADERS = ["gyrostat/core/set_parameter.hpp", "gyrostat/flight/stack.hpp"]
@@ -36,11 +37,12 @@ def write_header(code: FlightCode, folder: Path, namespace: str | None = None) -
 
 
 def names(code: FlightCode) -> dict[str, object]:
-    """What all templates speak of."""
+    """What all templates speak of; text of the scenario's author only through `places`."""
     return {
         "name": code.name,
         "NAME": code.name.upper(),
-        "title": code.title or code.name,
+        "title": comment(code.title or code.name),
+        "heading": markdown(code.title or code.name),
         "version": _core.__version__,
         "scalar": code.scalar,
         "actuators": code.actuators,

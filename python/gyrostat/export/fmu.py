@@ -18,6 +18,7 @@ from gyrostat.export.compiler import FLAGS, compile_shared, find_compiler, find_
 from gyrostat.export.cpp import names, write_header
 from gyrostat.export.folder import copy_notices, filled
 from gyrostat.export.model import INPUTS, FlightCode, Parameter, literal, suffixes
+from gyrostat.export.places import xml
 from gyrostat.export.recording import write_rows
 
 _integers = {
@@ -136,7 +137,7 @@ def _write_description(code: FlightCode, path: Path, variables: list[Variable], 
         fmiVersion="2.0",
         modelName=code.name,
         guid=guid,
-        description=code.scenario.description or f"Flight stack of {code.title or code.name}",
+        description=xml(code.scenario.description or f"Flight stack of {code.title or code.name}"),
         generationTool=f"gyrostat {_core.__version__}",
         variableNamingConvention="structured",
     )

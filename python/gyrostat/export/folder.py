@@ -5,13 +5,12 @@ from __future__ import annotations
 
 import re
 import shutil
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
 from gyrostat.errors import InputError
-from gyrostat.files import writable_folder
+from gyrostat.files import file_errors, replacing_folder
 
 _package = Path(__file__).resolve().parents[1]
 _templates = Path(__file__).resolve().parent / "templates"
@@ -28,17 +27,12 @@ def new_folder(path: Path) -> Iterator[Path]:
     InputError
         `path` is a file or a folder with something in it, or cannot be made.
     """
-    if path.exists() and (not path.is_dir() or any(path.iterdir())):
-        kind = "a folder that is not empty" if path.is_dir() else "a file"
-        raise InputError(f"--out {path}: is {kind}; name a new or empty one")
-    parent = writable_folder(path.absolute().parent)
-    temporary = Path(tempfile.mkdtemp(dir=parent, prefix=f".{path.name}-"))
-    try:
+    with file_errors(f"--out {path}", "cannot be written"):
+        if path.exists() and (not path.is_dir() or any(path.iterdir())):
+            kind = "a folder that is not empty" if path.is_dir() else "a file"
+            raise InputError(f"--out {path}: is {kind}; name a new or empty one")
+    with replacing_folder(path) as temporary:
         yield temporary
-        temporary.chmod(0o755)
-        temporary.replace(path)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
 
 
 def filled(template: str, values: Mapping[str, object]) -> str:

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import keyword
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 from gyrostat import _core
 from gyrostat.errors import InputError, input_errors
 from gyrostat.export.folder import has_header
+from gyrostat.export.places import identifier, identifier_of
 from gyrostat.scenario import Scenario
 
 SAMPLES = 3000
@@ -123,9 +122,10 @@ def flight_code(scenario: Scenario, *, scalar: str, samples: int, name: str | No
     Raises
     ------
     InputError
-        What only runs in the host: Python components, Euler-angle coordinates, shadows.
+        What only runs in the host: Python components, Euler-angle coordinates, shadows; or a name that is taken.
     """
     _refuse_host_only(scenario)
+    name = identifier_of(scenario.name) if name is None else identifier(name)
     with input_errors():
         model = _core.flight_model(scenario.to_dict())
     if model["vehicle"]["coordinates"] != "body":
@@ -133,7 +133,7 @@ def flight_code(scenario: Scenario, *, scalar: str, samples: int, name: str | No
     components = tuple(_component(c) for c in model["components"])
     columns, rows = _recorded(scenario, samples)
     return FlightCode(
-        name=_identifier(name, scenario.name),
+        name=name,
         title=scenario.name,
         scenario=scenario,
         scalar=scalar,
@@ -161,71 +161,6 @@ def _refuse_host_only(scenario: Scenario) -> None:
             )
     if scenario.shadows:
         raise InputError("shadows are not part of the flight stack: export without them (--set shadows=[])")
-
-
-def _identifier(given: str | None, title: str) -> str:
-    if given is None:
-        given = re.sub(r"\W+", "_", title, flags=re.ASCII).strip("_").lower() or "flight"
-        given = f"flight_{given}" if given[0].isdigit() else given
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", given, re.ASCII) or keyword.iskeyword(given) or given in _taken:
-        raise InputError(f"name '{given}': a C identifier that begins with a letter belongs here")
-    return given
-
-
-_taken = frozenset(
-    [
-        "auto",
-        "bool",
-        "break",
-        "case",
-        "char",
-        "class",
-        "const",
-        "continue",
-        "default",
-        "delete",
-        "do",
-        "double",
-        "else",
-        "enum",
-        "extern",
-        "float",
-        "for",
-        "goto",
-        "if",
-        "inline",
-        "int",
-        "long",
-        "namespace",
-        "new",
-        "operator",
-        "private",
-        "public",
-        "register",
-        "return",
-        "short",
-        "signed",
-        "sizeof",
-        "static",
-        "struct",
-        "switch",
-        "template",
-        "this",
-        "typedef",
-        "union",
-        "unsigned",
-        "using",
-        "virtual",
-        "void",
-        "volatile",
-        "while",
-        "gyrostat",
-        "std",
-        "recorded",
-        "self_test",
-        "include",
-    ]
-)
 
 
 def _component(found: Mapping[str, Any]) -> ComponentCode:

@@ -55,8 +55,9 @@ import itertools
 import math
 import os
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -270,8 +271,8 @@ def load(name: str) -> Paper:
     InputError
         No such study, or something in its claims cannot be understood: file, claim and key are named.
     """
-    folder = Path(name) if Path(name).joinpath("claims.toml").exists() else _folder / name
-    if not folder.joinpath("claims.toml").exists():
+    folder = next((f for f in (Path(name), _folder / name) if _is_study(f)), None)
+    if folder is None:
         raise InputError(f"no paper '{name}'{suggestion(name, [*available(), 'all'])}")
     source = folder / "claims.toml"
     tables = toml.read(source)
@@ -298,6 +299,13 @@ def load(name: str) -> Paper:
     return Paper(folder.name, entries.title, entries.citation, cases, claims, figures, campaigns)
 
 
+def _is_study(folder: Path) -> bool:
+    try:
+        return (folder / "claims.toml").exists()
+    except OSError:  # a name too long for a folder, say
+        return False
+
+
 def reproduce(
     paper: Paper, *, progress: Callable[[float], None] | None = None, workers: int | None = None
 ) -> Reproduction:
@@ -318,14 +326,14 @@ def reproduce(
     found: dict[str, Evaluation] = {}
     endings: dict[str, str] = {}
     meter = _Meter(paper, progress)
-    with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
+    with _pool(workers, meter) as pool:
         longest_first = sorted(paper.cases.values(), key=lambda c: -c.scenario.duration / c.scenario.dt)
         runs = {pool.submit(c.scenario.run, progress=meter.of(c.id)): c.id for c in longest_first}
-        flights = {c.id: _fly(c, pool, meter.of(c.id)) for c in paper.campaigns.values()}
+        flights = {c.id: _fly(c, pool, meter) for c in paper.campaigns.values()}
         for run in as_completed(runs):
             case = runs.pop(run)
             result = run.result()
-            meter.finish(case)
+            meter.advance(case, 1.0)
             if not result.completed:
                 endings[case] = result.cause or result.status
             if case in keep:
@@ -333,7 +341,7 @@ def reproduce(
             for claim in paper.claims:
                 if claim.case == case and not claim.measure.others:
                     found[claim.id] = claim.evaluate(result, {})
-    flown = {key: _ensemble(paper.campaigns[key], runs) for key, runs in flights.items()}
+        flown = {key: _ensemble(paper.campaigns[key], runs) for key, runs in flights.items()}
     for claim in paper.claims:
         if claim.id not in found:
             about = flown[claim.case] if claim.case in flown else results[claim.case]
@@ -341,16 +349,28 @@ def reproduce(
     return Reproduction(paper, tuple(found[c.id] for c in paper.claims), results, endings, flown)
 
 
+@contextmanager
+def _pool(workers: int | None, meter: _Meter) -> Iterator[Executor]:
+    """Threads that fly. When the block fails or is interrupted, what waits is dropped and what flies ends at once."""
+    pool = ThreadPoolExecutor(workers or os.cpu_count())
+    try:
+        yield pool
+    except BaseException:
+        meter.stop()
+        pool.shutdown(cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
 Flight = Future[dict[str, float]]
 
 
-def _fly(campaign: Campaign, pool: Executor, progress: Callable[[float], None] | None) -> list[Flight]:
+def _fly(campaign: Campaign, pool: Executor, meter: _Meter) -> list[Flight]:
     """Start every run of a campaign."""
-    flights = [pool.submit(campaign.fly, sample) for sample in campaign.samples()]
-    if progress is not None:
-        done = itertools.count(1)
-        for flight in flights:
-            flight.add_done_callback(lambda _: progress(next(done) / campaign.runs))
+    done = itertools.count(1)
+    flights = [pool.submit(campaign.fly, sample, meter.look) for sample in campaign.samples()]
+    for flight in flights:
+        flight.add_done_callback(lambda _: meter.advance(campaign.id, next(done) / campaign.runs))
     return flights
 
 
@@ -359,8 +379,12 @@ def _ensemble(campaign: Campaign, flights: Sequence[Flight]) -> Ensemble:
     return Ensemble(campaign, {name: np.array([row[name] for row in rows]) for name in campaign.measures})
 
 
+class _StoppedError(Exception):
+    """Ends a run that nobody waits for any more."""
+
+
 class _Meter:
-    """Adds up the progress of cases that run at once, weighted by their samples."""
+    """Adds up the progress of cases that run at once, weighted by their samples, and can stop them all."""
 
     def __init__(self, paper: Paper, report: Callable[[float], None] | None) -> None:
         self._weight = {key: c.scenario.duration / c.scenario.dt for key, c in paper.cases.items()}
@@ -369,15 +393,29 @@ class _Meter:
         self._done = dict.fromkeys(self._weight, 0.0)
         self._report = report
         self._lock = threading.Lock()
+        self._stopped = False
 
-    def of(self, case: str) -> Callable[[float], None] | None:
-        return None if self._report is None else lambda fraction: self._advance(case, fraction)
+    def stop(self) -> None:
+        """Let every run end when it looks here the next time: after a fifth of a second, or the sample in hand."""
+        self._stopped = True
 
-    def finish(self, case: str) -> None:
-        self._advance(case, 1.0)
+    def look(self, _: float = 0.0) -> None:
+        """What a run calls now and then."""
+        if self._stopped:
+            raise _StoppedError
 
-    def _advance(self, case: str, fraction: float) -> None:
-        if self._report is None:
+    def of(self, case: str) -> Callable[[float], None]:
+        """What the run of a case calls now and then, with the finished fraction."""
+
+        def flown(fraction: float) -> None:
+            self.look()
+            self.advance(case, fraction)
+
+        return flown
+
+    def advance(self, case: str, fraction: float) -> None:
+        """Report a finished fraction."""
+        if self._report is None or self._stopped:
             return
         with self._lock:
             self._done[case] = fraction

@@ -72,9 +72,9 @@ class Campaign:
         rng = np.random.default_rng(self.seed)
         return [self.scenario.replace(**self.sampler(rng, **self.arguments)) for _ in range(self.runs)]
 
-    def fly(self, sample: Scenario) -> dict[str, float]:
+    def fly(self, sample: Scenario, progress: Callable[[float], None] | None = None) -> dict[str, float]:
         """Fly one of them and measure it; NaN where a run could not be measured, e.g. because it never settled."""
-        result = sample.run()
+        result = sample.run(progress=progress)
         return {name: _measured(measure, result) for name, measure in self.measures.items()}
 
 

@@ -39,7 +39,7 @@ const std::vector<double>& channel(const RunResult& r, const std::string& name) 
 }
 
 RunOptions only(std::vector<std::string> names, std::size_t every = 1) {
-  return {.channels = std::move(names), .record = true, .every = every, .progress = {}};
+  return {.channels = std::move(names), .record = true, .every = every, .progress = {}, .memory = unbounded};
 }
 
 TEST(ClosedLoop, GivesTheSameBitsTwice) {

@@ -13,6 +13,7 @@
 /// depend on the vehicle are written in `static Params defaults(const Setup<S>&)`.
 #pragma once
 #include <limits>
+#include <numbers>
 
 #include "gyrostat/core/signals.hpp"
 
@@ -21,12 +22,16 @@ namespace gyrostat {
 /// As a bound in a Field: any finite number. An infinite bound means that infinity itself is allowed.
 inline constexpr double unbounded = std::numeric_limits<double>::max();
 
+/// As a bound of an attitude angle, rad: no attitude needs more than one turn.
+inline constexpr double full_turn = 2 * std::numbers::pi;
+
 /// A number, vector or matrix, with its unit and the closed range of each element.
 struct Field {
   const char* name;
   const char* unit;  ///< "" when dimensionless
   double lo, hi;
   const char* meaning;
+  const char* mistaken = "";  ///< what a number outside looks like, for the message: "degrees"
 };
 
 /// An enum whose values count from 0.

@@ -73,7 +73,8 @@ struct InitialBlock {
   static constexpr void describe(auto& p, auto&& field) {
     field(p.q_NB, Field{"q_NB", "", -1.1, 1.1, "attitude as a quaternion, scalar first"});
     field(p.mrp, Field{"mrp", "", -1e3, 1e3, "attitude as MRP, instead of q_NB"});
-    field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "attitude as roll, pitch, yaw, instead of q_NB"});
+    field(p.euler,
+          Field{"euler", "rad", -full_turn, full_turn, "attitude as roll, pitch, yaw, instead of q_NB", "degrees"});
     field(p.omega_BN_B, Field{"omega_BN_B", "rad/s", -1e3, 1e3, "body rate"});
     field(p.wheel_speed,
           Field{"wheel_speed", "rad/s", -1e6, 1e6, "of each wheel relative to the body; absent: at rest"});

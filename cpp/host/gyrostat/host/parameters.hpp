@@ -42,6 +42,7 @@ struct Key {
   const Place& place;
   const char* name;
   double lo = -unbounded, hi = unbounded;
+  const char* mistaken = "";  ///< of the Field
 
   [[noreturn]] void refuse(const Value& value, const std::string& why) const;
   void in_range(const Value& value, double x) const;
@@ -162,7 +163,7 @@ struct Filler {
   void operator()(M& member, const Field& f) const {
     known.push_back(f.name);
     if (const Value* v = given(f.name)) {
-      read(*v, Key{place, f.name, f.lo, f.hi}, member);
+      read(*v, Key{place, f.name, f.lo, f.hi, f.mistaken}, member);
     } else if (must_be_given(member)) {
       place.refuse(std::string(f.name) + " is missing: " + f.meaning);
     }

@@ -223,9 +223,18 @@ std::vector<std::string> Recorder::usual(const std::vector<Reported>& components
 }
 
 Recorder::Recorder(const std::vector<std::string>& names, int actuators, std::vector<Reported> components,
-                   std::vector<ShadowView> shadows, std::size_t rows)
+                   std::vector<ShadowView> shadows)
     : shadows_(std::move(shadows)) {
   for (const std::string& pattern : names) choose(pattern, actuators, components, shadows_);
+}
+
+std::size_t Recorder::width() const noexcept {
+  std::size_t numbers = 1;
+  for (const Slot& s : slots_) numbers += static_cast<std::size_t>(s.channel.info.size);
+  return numbers;
+}
+
+void Recorder::reserve(std::size_t rows) {
   t_.reserve(rows);
   for (Slot& s : slots_) s.channel.data.resize(rows * static_cast<std::size_t>(s.channel.info.size));
 }

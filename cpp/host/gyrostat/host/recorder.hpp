@@ -85,8 +85,12 @@ class Recorder {
 
   /// `names` may end in ".*". Throws std::invalid_argument naming the nearest channel.
   Recorder(const std::vector<std::string>& names, int actuators, std::vector<Reported> components,
-           std::vector<ShadowView> shadows, std::size_t rows);
+           std::vector<ShadowView> shadows);
 
+  /// Numbers in a row, the time included.
+  std::size_t width() const noexcept;
+  /// Room for so many rows; to be called once, before the first one is recorded.
+  void reserve(std::size_t rows);
   /// Whether a channel compares with the sample before.
   bool needs_previous() const noexcept { return needs_previous_; }
   void record(const Moment& now);

@@ -25,7 +25,8 @@ struct Hold {
   static constexpr void describe(auto& p, auto&& field) {
     field(p.q_NR, Field{"q_NR", "", -1, 1, "attitude as a quaternion, scalar first"});
     field(p.mrp, Field{"mrp", "", -unbounded, unbounded, "attitude as MRP, instead of q_NR"});
-    field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "attitude as roll, pitch, yaw, instead of q_NR"});
+    field(p.euler,
+          Field{"euler", "rad", -full_turn, full_turn, "attitude as roll, pitch, yaw, instead of q_NR", "degrees"});
   }
 };
 
@@ -38,7 +39,7 @@ struct Steps {
   static constexpr void describe(auto& p, auto&& field) {
     field(p.times, Field{"times", "s", 0, unbounded,
                          "instants of the jumps, increasing; the first attitude holds before them too"});
-    field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "one row [roll, pitch, yaw] a time"});
+    field(p.euler, Field{"euler", "rad", -full_turn, full_turn, "one row [roll, pitch, yaw] a time", "degrees"});
     field(p.mrp, Field{"mrp", "", -unbounded, unbounded, "one row a time, instead of euler"});
   }
 };
@@ -50,8 +51,8 @@ struct Slew {
   double start = 0, duration = std::numeric_limits<double>::quiet_NaN();
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.from, Field{"from_euler", "rad", -unbounded, unbounded, "roll, pitch, yaw before"});
-    field(p.to, Field{"to_euler", "rad", -unbounded, unbounded, "roll, pitch, yaw after"});
+    field(p.from, Field{"from_euler", "rad", -full_turn, full_turn, "roll, pitch, yaw before", "degrees"});
+    field(p.to, Field{"to_euler", "rad", -full_turn, full_turn, "roll, pitch, yaw after", "degrees"});
     field(p.start, Field{"start", "s", 0, unbounded, "when it begins"});
     field(p.duration, Field{"duration", "s", 1e-9, unbounded, "how long it takes"});
   }
@@ -78,8 +79,8 @@ struct EulerSine {
                phase = Vec3<double>::Zero();
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.offset, Field{"offset", "rad", -unbounded, unbounded, "mean roll, pitch, yaw"});
-    field(p.amplitude, Field{"amplitude", "rad", -unbounded, unbounded, "of each angle"});
+    field(p.offset, Field{"offset", "rad", -full_turn, full_turn, "mean roll, pitch, yaw", "degrees"});
+    field(p.amplitude, Field{"amplitude", "rad", -full_turn, full_turn, "of each angle", "degrees"});
     field(p.frequency, Field{"frequency", "rad/s", -1e3, 1e3, "of each angle"});
     field(p.phase, Field{"phase", "rad", -unbounded, unbounded, "of each angle"});
   }
@@ -92,7 +93,7 @@ struct RateSine {
                phase = Vec3<double>::Zero();
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.euler, Field{"euler", "rad", -unbounded, unbounded, "roll, pitch, yaw at the start"});
+    field(p.euler, Field{"euler", "rad", -full_turn, full_turn, "roll, pitch, yaw at the start", "degrees"});
     field(p.amplitude, Field{"amplitude", "rad/s", -10, 10, "of each rate"});
     field(p.frequency, Field{"frequency", "rad/s", -1e3, 1e3, "of each rate"});
     field(p.phase, Field{"phase", "rad", -unbounded, unbounded, "of each rate"});

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <stdexcept>
 
 #include "gyrostat/host/assembly.hpp"
@@ -60,23 +61,30 @@ class EventLog {
   int detections_ = 0, references_ = 0;
 };
 
-/// Calls `progress` about five times a second.
+/// Calls `progress` about five times a second. The clock is read every so many samples, as many as take a few
+/// milliseconds: a run of slow samples can be ended as soon as one of fast ones.
 class ProgressClock {
+  using Clock = std::chrono::steady_clock;
+
  public:
   ProgressClock(std::function<void(double)> progress, Tick ticks) : progress_(std::move(progress)), ticks_(ticks) {}
 
   void look(Tick k) {
-    if (!progress_ || k % 256 != 0) return;
-    const auto now = std::chrono::steady_clock::now();
-    if (now - last_ < std::chrono::milliseconds(200)) return;
-    last_ = now;
+    if (!progress_ || k < next_) return;
+    const Clock::time_point now = Clock::now();
+    stride_ = now - looked_ > std::chrono::milliseconds(10) ? std::max<Tick>(stride_ / 2, 1)
+                                                            : std::min<Tick>(stride_ * 2, 256);
+    looked_ = now;
+    next_ = k + stride_;
+    if (now - called_ < std::chrono::milliseconds(200)) return;
+    called_ = now;
     progress_(ticks_ == 0 ? 1.0 : static_cast<double>(k) / static_cast<double>(ticks_));
   }
 
  private:
   std::function<void(double)> progress_;
-  Tick ticks_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  Tick ticks_, next_ = 0, stride_ = 1;
+  Clock::time_point looked_ = Clock::now(), called_ = looked_;
 };
 
 /// Everything that looks on while the loop flies: shadows, recorder, events, progress.
@@ -178,9 +186,9 @@ struct Parts {
 RunOptions with_record_block(RunOptions options, const Table& record) {
   const Place place{"record"};
   detail::refuse_unknown(record, place, {"channels", "every"});
-  if (const Value* every = record.find("every"); every != nullptr && options.every == 1) {
+  if (options.every == 0) {
     int n = 1;
-    read(*every, Key{place, "every", 1, 1e9}, n);
+    if (const Value* every = record.find("every"); every != nullptr) read(*every, Key{place, "every", 1, 1e9}, n);
     options.every = static_cast<std::size_t>(n);
   }
   if (const Value* channels = record.find("channels"); channels != nullptr && options.channels.empty()) {
@@ -192,8 +200,36 @@ RunOptions with_record_block(RunOptions options, const Table& record) {
       options.channels.push_back(text);
     }
   }
-  if (options.every == 0) place.refuse("every = 0 must be at least 1");
   return options;
+}
+
+/// The next of 1, 2, 5, 10, 20, ... that is not below x >= 1, as a user types it.
+std::string round_above(double x) {
+  double ten = 1;
+  while (ten * 10 <= x) ten *= 10;
+  const double leading = x / ten;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f", ten * (leading <= 1 ? 1 : leading <= 2 ? 2 : leading <= 5 ? 5 : 10));
+  return text;
+}
+
+/// Room for the rows of a run; what the memory cannot hold is refused with what would fit.
+void reserve(Recorder& recorder, const Assembly& a, const RunOptions& options) {
+  const Tick rows = a.ticks / options.every + 2;
+  const double bytes = 8.0 * static_cast<double>(rows) * static_cast<double>(recorder.width());
+  const auto refuse = [&](const std::string& held) {
+    const double every = static_cast<double>(options.every) * std::max(2.0, bytes / options.memory);
+    Place{"record"}.refuse(number_text(static_cast<double>(rows)) + " samples of " + std::to_string(recorder.width()) +
+                           " numbers take " + number_text(bytes / 1e9) + " GB, " + held +
+                           "; record fewer channels, or every " + round_above(every) +
+                           " samples (--every, every =), or fly for less than " + number_text(a.run.duration) + " s");
+  };
+  if (!(bytes <= options.memory)) refuse("and " + number_text(options.memory / 1e9) + " GB are free");
+  try {
+    recorder.reserve(static_cast<std::size_t>(rows));
+  } catch (const std::exception&) {  // bad_alloc or length_error: a limit that nobody told us
+    refuse("more than the system gives");
+  }
 }
 
 /// Euler angles cost more than the rest of the measurement: filled for Euler laws, or when somebody records them.
@@ -260,7 +296,8 @@ RunResult simulate(const Table& scenario, const ExternalComponents& external, co
   if (options.record) {
     const std::vector<std::string> names =
         options.channels.empty() ? Recorder::usual(parts.components, parts.views) : options.channels;
-    recorder.emplace(names, a.setup.vehicle.actuators(), parts.components, parts.views, a.ticks / options.every + 2);
+    recorder.emplace(names, a.setup.vehicle.actuators(), parts.components, parts.views);
+    reserve(*recorder, a, options);
   }
   Watcher watcher(a, plant, parts.stack, parts.shadows, parts.components, recorder ? &*recorder : nullptr,
                   options.every, options.progress);

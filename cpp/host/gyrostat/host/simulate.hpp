@@ -37,10 +37,11 @@ struct Event {
 };
 
 struct RunOptions {
-  std::vector<std::string> channels;  ///< empty: the usual ones
+  std::vector<std::string> channels;  ///< empty: as [record] says, or the usual ones
   bool record = true;
-  std::size_t every = 1;                 ///< record every so many samples; the last one always
+  std::size_t every = 0;                 ///< record every so many samples, the last one always; 0: as [record] says
   std::function<void(double)> progress;  ///< called with the fraction done about five times a second; may throw
+  double memory = unbounded;             ///< bytes that the record may take; a run that needs more is refused
 };
 
 struct RunResult {

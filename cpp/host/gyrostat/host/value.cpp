@@ -8,6 +8,7 @@
 namespace gyrostat::host {
 
 Table::Table(std::initializer_list<std::pair<std::string, Value>> entries) : entries_(entries) {}
+Table::Table(std::vector<std::pair<std::string, Value>> entries) : entries_(std::move(entries)) {}
 
 const Value* Table::find(const std::string& key) const noexcept {
   for (const auto& [name, value] : entries_) {
@@ -32,13 +33,25 @@ std::string number_text(double x) {
   return text;
 }
 
+namespace {
+
+/// The first `size` bytes of a UTF-8 text, less a character that they would cut.
+std::string whole_characters(const std::string& text, std::size_t size) {
+  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80U) --size;
+  return text.substr(0, size);
+}
+
+}  // namespace
+
 std::string Value::text() const {
   struct Writer {
     std::string operator()(std::monostate) const { return "nothing"; }
     std::string operator()(bool b) const { return b ? "true" : "false"; }
     std::string operator()(std::int64_t i) const { return std::to_string(i); }
     std::string operator()(double x) const { return number_text(x); }
-    std::string operator()(const std::string& s) const { return "'" + s + "'"; }
+    std::string operator()(const std::string& s) const {
+      return "'" + (s.size() <= 80 ? s : whole_characters(s, 77) + "...") + "'";
+    }
     std::string operator()(const List& list) const {
       std::string out = "[";
       for (std::size_t i = 0; i < list.size(); ++i) {
@@ -80,6 +93,8 @@ std::string nearest(const std::string& word, const std::vector<std::string>& nam
   std::string best;
   std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& name : names) {
+    const std::size_t longer = std::max(name.size(), word.size()), shorter = std::min(name.size(), word.size());
+    if (longer - shorter >= least) continue;  // they differ by that much at least
     if (const std::size_t d = distance(name); d < least) {
       least = d;
       best = name;

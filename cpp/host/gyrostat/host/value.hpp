@@ -18,6 +18,8 @@ class Table {
  public:
   Table() = default;
   Table(std::initializer_list<std::pair<std::string, Value>> entries);
+  /// Entries whose keys differ.
+  explicit Table(std::vector<std::pair<std::string, Value>> entries);
 
   const Value* find(const std::string& key) const noexcept;
   void set(std::string key, Value value);

@@ -1,8 +1,44 @@
 // SPDX-License-Identifier: MIT
 // Waveforms as parameters: a number, or a table with a type.
+#include <algorithm>
+#include <cmath>
+
 #include "gyrostat/host/alternatives.hpp"
 
 namespace gyrostat::host {
+namespace {
+
+struct Range {
+  double lo = 0, hi = 0;
+};
+
+/// What a waveform stays within; the range of a sum is the sum of the ranges.
+Range range_of(const truth::Waveform& w) {
+  struct Visitor {
+    Range operator()(const truth::ConstantWave& c) const { return {c.value, c.value}; }
+    Range operator()(const truth::SineWave& s) const {
+      return {s.offset - std::abs(s.amplitude), s.offset + std::abs(s.amplitude)};
+    }
+    Range operator()(const truth::SquareWave& s) const { return {std::min(s.low, s.high), std::max(s.low, s.high)}; }
+    Range operator()(const truth::StepsWave& s) const { return of(s.values); }
+    Range operator()(const truth::TableWave& t) const { return of(t.values); }
+    Range operator()(const truth::SumWave& sum) const {
+      Range out;
+      for (const truth::Waveform& term : sum.terms) {
+        const Range r = range_of(term);
+        out = {out.lo + r.lo, out.hi + r.hi};
+      }
+      return out;
+    }
+    static Range of(const std::vector<double>& values) {
+      const auto [lo, hi] = std::minmax_element(values.begin(), values.end());
+      return {*lo, *hi};
+    }
+  };
+  return std::visit(Visitor{}, w.kind());
+}
+
+}  // namespace
 
 void read(const Value& value, const Key& key, truth::Waveform& out) {
   const Table* table = value.as<Table>();
@@ -22,6 +58,9 @@ void read(const Value& value, const Key& key, truth::Waveform& out) {
   if (name == nullptr) place.refuse("a waveform needs its type, one of: " + join(Kinds::names()));
   out = Kinds::read("waveform", *name, *table, place);
   if (const std::string wrong = out.check(); !wrong.empty()) place.refuse(wrong);
+  const Range range = range_of(out);
+  key.in_range(value, range.lo);
+  key.in_range(value, range.hi);
 }
 
 Value write(const truth::Waveform& w) {

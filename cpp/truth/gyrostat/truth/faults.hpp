@@ -35,7 +35,7 @@ struct LossOfEffectiveness {
   static constexpr void describe(auto& p, auto&& field) {
     detail::describe_window(p, field);
     field(p.remaining,
-          Field{"remaining", "", -infinity, infinity, "delivered / commanded; 1 is healthy, 0 delivers no command"});
+          Field{"remaining", "", -2, 2, "delivered / commanded; 1 is healthy, 0 delivers no command", "per cent"});
   }
 };
 
@@ -121,7 +121,7 @@ struct Intermittent {
     detail::describe_window(p, field);
     field(p.period, Field{"period", "s", 1e-6, infinity, "of the faulty and healthy parts together"});
     field(p.duty, Field{"duty", "", 0, 1, "fraction of a period that is faulty"});
-    field(p.remaining, Field{"remaining", "", -infinity, infinity, "delivered / commanded while faulty"});
+    field(p.remaining, Field{"remaining", "", -2, 2, "delivered / commanded while faulty", "per cent"});
     field(p.torque, Field{"torque", "N m", -infinity, infinity, "added to what is delivered while faulty"});
   }
   /// 1 while faulty.
