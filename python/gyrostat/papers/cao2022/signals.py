@@ -69,11 +69,6 @@ def recovery(result: Result, *, signal: Array, band: float, after: float, until:
     return metrics.settling_time(result.t[part], signal[part], band, after) - after
 
 
-def at(result: Result, *, signal: Array, time: float) -> float:
-    """The value at a sample."""
-    return float(signal[int(np.argmin(np.abs(result.t - time)))])
-
-
 def random_attitude(rng: np.random.Generator, *, norm: list[float], rate: float = 0.0) -> dict[str, Any]:
     """Sample an initial state: each rate normal with a deviation, rad/s, and an attitude of an MRP norm in a range.
 
@@ -102,5 +97,5 @@ SIGNALS = {
     f.__name__: f
     for f in (effectiveness_error, shadow_error, inertia_error, breach, unknown, attitude, rate, effectiveness_now)
 }
-METRICS = {f.__name__: f for f in (recovery, at)}
+METRICS = {f.__name__: f for f in (recovery,)}
 SAMPLERS = {"random_attitude": random_attitude}
