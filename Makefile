@@ -13,7 +13,7 @@ CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.
 PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp headers asan asan-python python lint bench matrix tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
+.PHONY: help run test cpp headers asan asan-python python lint bench matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
         debian-bench debian-embedded debian-fuzz
 
 help:  ## this list
@@ -74,6 +74,9 @@ embedded: debian-embedded $(VENV)/package.stamp  ## exported flight stacks on an
 
 embedded-short: debian-embedded $(VENV)/package.stamp  ## two of these stacks, as make test flies them
 	@$(STEP) embedded-short $(BIN)/python scripts/embedded li2018 learning_lexicographic
+
+mutants: debian-test $(VENV)/venv.stamp  ## break core and flight in a few hundred places, one at a time: do the C++ tests notice?
+	@nice $(BIN)/python scripts/mutants
 
 headers: debian-test  ## every header compiled alone (a minute and a half; make test checks the layers' include roots)
 	@$(STEP) configure-release cmake --preset release

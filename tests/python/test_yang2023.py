@@ -106,3 +106,11 @@ def test_open_loop_says_what_is_wrong() -> None:
         scenario.replace(
             controller={"type": "open_loop", "command": [{"type": "square", "period": -1.0}, 0, 0, 0]}
         ).run()
+
+
+@pytest.mark.parametrize(("metric", "given"), [("event_time", {"count": 3}), ("first_event_after", {"after": 60.0})])
+def test_a_counter_that_did_not_move_is_not_measured(
+    bench: dict[str, gs.Result], metric: str, given: dict[str, float]
+) -> None:
+    with pytest.raises(ValueError, match="'controller.arms' did not count"):
+        signals.METRICS[metric](bench["a"], name="controller.arms", **given)

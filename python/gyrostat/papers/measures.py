@@ -65,6 +65,12 @@ def final(result: Result, *, signal: Array) -> float:
     return float(np.max(np.abs(signal[-1])))
 
 
+def at(result: Result, *, signal: Array, time: float) -> float:
+    """Value (signed) of a column at a sample, s."""
+    _reaches(result, time, time)
+    return float(signal[int(np.argmin(np.abs(result.t - time)))])
+
+
 def total_variation(result: Result, *, signal: Array, window: Window = _whole) -> float:
     """Sum of ``|change|`` per second in a window of time."""
     return metrics.total_variation(result.t, signal, *_reaches(result, *window))
@@ -134,6 +140,7 @@ METRICS: dict[str, Metric] = {
         window_highest,
         window_rms,
         final,
+        at,
         total_variation,
         fraction_at_least,
         energy,

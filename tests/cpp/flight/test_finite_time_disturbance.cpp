@@ -262,5 +262,61 @@ TEST(FiniteTimeDisturbanceCheck, ExplicitLimitIsTheSpectralRadius) {
   }
 }
 
+TEST(FiniteTimeDisturbanceDouble, ExplicitSubstepsAreTheEulerStepsOfTheirPage) {
+  auto setup = ftc_4rw<double>();
+  auto p = li2018::observer<double>();
+  p.method = Observer<double>::Method::explicit_euler;
+  p.substeps = 4;
+  Observer<double> observer(setup, p);
+  const Mat3<double>& J = setup.vehicle.J_B;
+  const Mat3N<double>& D = setup.vehicle.D_B;
+  Random random(7);
+  const auto measured = [&] {
+    Measurement<double> y;
+    y.omega_BN_B = random.vector<double>(0.3);
+    y.h_w = VecN<double>(4);
+    for (int i = 0; i < 4; ++i) y.h_w[i] = random.uniform(-5, 5);
+    return y;
+  };
+  for (int start = 0; start < 2; ++start) {
+    Measurement<double> before = measured();
+    EXPECT_EQ(observer.start(before).d_B, Vec3<double>(Vec3<double>::Zero()));
+    Vec3<double> what = before.omega_BN_B, eta = Vec3<double>::Zero();
+    for (int k = 0; k < 20; ++k) {
+      const Measurement<double> y = measured();
+      Allocation<double> last = Allocation<double>::idle(4);
+      for (int i = 0; i < 4; ++i) last.u[i] = random.uniform(-0.2, 0.2);
+      const double h = setup.dt / 4;
+      for (int j = 0; j < 4; ++j) {  // the rate and the wheels on a line between the samples
+        const Vec3<double> w = before.omega_BN_B + j / 4.0 * (y.omega_BN_B - before.omega_BN_B);
+        const VecN<double> h_w = before.h_w + j / 4.0 * (y.h_w - before.h_w);
+        const Vec3<double> z1 = w - what;
+        Vec3<double> correction;
+        for (int i = 0; i < 3; ++i) correction[i] = std::copysign(std::pow(std::abs(z1[i]), 0.6), z1[i]) + eta[i];
+        what += h * (J.inverse() * (D * last.u - w.cross(J * w + D * h_w)) + correction);
+        for (int i = 0; i < 3; ++i) eta[i] += h * 0.6 * std::copysign(std::pow(std::abs(z1[i]), 0.2), z1[i]);
+      }
+      const Vec3<double> z1 = y.omega_BN_B - what;
+      Vec3<double> theta = eta;
+      for (int i = 0; i < 3; ++i) theta[i] += std::copysign(std::pow(std::abs(z1[i]), 0.6), z1[i]);
+      const Vec3<double> d_B = observer.step(y, last).d_B;
+      EXPECT_LT((d_B - J * theta).norm(), 1e-11) << k;  // rounding of z1, which sig^0.6 enlarges where z1 is small
+      before = y;
+    }
+  }
+}
+
+TEST(FiniteTimeDisturbanceDouble, AStartForgetsTheIntegral) {
+  const auto setup = ftc_4rw<double>();
+  Observer<double> fresh(setup, li2018::observer<double>()), used = fresh;
+  Body body(setup.vehicle);
+  body.d_B = {0.05, -0.02, 0.03};
+  (void)watch<double>(used, body, some_command(), setup.dt, 50);
+  Body other(setup.vehicle);
+  const Estimate<double> expected = watch<double>(fresh, other, some_command(), setup.dt, 3);
+  Body again(setup.vehicle);
+  EXPECT_EQ(watch<double>(used, again, some_command(), setup.dt, 3).d_B, expected.d_B);
+}
+
 }  // namespace
 }  // namespace gyrostat::test

@@ -243,5 +243,111 @@ TEST(AdaptiveSlidingModeDouble, IsUnstableUnderAnAlternatingCommandWhereItsCheck
   EXPECT_GT(spread(1.2), 0.1);
 }
 
+/// A ball that is held at a rate: what the observer predicts and corrects is then elementary.
+struct Held {
+  gyrostat::Setup<double> setup =
+      vehicle_with<double>(20 * Mat3<double>::Identity(), Mat3<double>::Identity(), 10, 0.01);
+  Measurement<double> y;
+  Allocation<double> last = Allocation<double>::idle(3);
+  Held() { y.h_w = VecN<double>::Zero(3); }
+};
+
+TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToItsCap) {
+  Held at;
+  AdaptiveSlidingMode<double>::Params p;
+  p.L.setZero();
+  p.k_rho = 30;
+  p.rho_max = 0.01;
+  p.dead_zone = 2e-3;
+  AdaptiveSlidingMode<double> observer(at.setup, p);
+  (void)observer.start(at.y);
+  at.y.omega_BN_B = {1.9e-3, -2.1e-3, 5e-3};  // inside, just beyond, far beyond
+  Vec3<double> rho = Vec3<double>::Zero(), omega_hat = Vec3<double>::Zero();
+  for (int k = 0; k < 40; ++k) {
+    const std::vector<double> before = telemetry_of(observer).at("rho");
+    (void)observer.step(at.y, at.last);
+    for (int i = 0; i < 3; ++i) {
+      // The prediction moves by rho sgn(error) of the sample before; the ball feels no other torque.
+      const double predicted = k == 0 ? 0 : 0.01 * rho[i] / 20;
+      omega_hat[i] += std::copysign(predicted, at.y.omega_BN_B[i]);
+      const double error = std::abs(at.y.omega_BN_B[i] - omega_hat[i]);
+      if (error > p.dead_zone) rho[i] = std::min(rho[i] + 0.01 * p.k_rho * error, p.rho_max);
+      EXPECT_NEAR(telemetry_of(observer).at("rho")[static_cast<std::size_t>(i)], rho[i], 1e-16) << k;
+      EXPECT_NEAR(std::abs(telemetry_of(observer).at("rate_error")[static_cast<std::size_t>(i)]), error, 1e-16) << k;
+    }
+  }
+  EXPECT_EQ(rho[0], 0);
+  EXPECT_EQ(rho[2], p.rho_max);
+  (void)observer.start(at.y);
+  for (const double left : telemetry_of(observer).at("rho")) EXPECT_EQ(left, 0);
+}
+
+TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
+  Held at;
+  AdaptiveSlidingMode<double>::Params p;
+  p.gamma = 100;
+  p.L.setZero();
+  p.dead_zone = 1;
+  AdaptiveSlidingMode<double> observer(at.setup, p);
+  (void)observer.start(at.y);
+  at.last.u << 2, -2, 3;
+  // A rate error of 1e-3 below what the commands make on axes 0 and 1 (of either sign), above it on axis 2.
+  const double h = 0.01;
+  at.y.omega_BN_B = Vec3<double>(2, -2, 3) * h / 20 + Vec3<double>(-1e-3, 1e-3, 1e-3);
+  const Estimate<double> x = observer.step(at.y, at.last);
+  EXPECT_NEAR(x.effectiveness[0], 1 - h * 100 * 2 * 1e-3, 1e-12);
+  EXPECT_NEAR(x.effectiveness[1], 1 - h * 100 * 2 * 1e-3, 1e-12);
+  EXPECT_EQ(x.effectiveness[2], 1.0) << "no better than healthy";
+  EXPECT_EQ(observer.start(at.y).effectiveness, VecN<double>::Ones(3));
+}
+
+TEST(AdaptiveSlidingModeDouble, RefusesACorrectionThatOvershoots) {
+  Held at;
+  AdaptiveSlidingMode<double>::Params p;
+  p.gamma = 0;
+  p.L.setConstant(1999);  // L dt / J = 0.9995
+  EXPECT_TRUE(AdaptiveSlidingMode<double>::check(at.setup, p).ok());
+  p.L.setConstant(2001);
+  EXPECT_EQ(AdaptiveSlidingMode<double>::check(at.setup, p).code, Status<double>::Code::unstable);
+}
+
+TEST(LearningEffectivenessPrintedDouble, IsThePrintedRecursionWithItsPastError) {
+  Held at;
+  LearningEffectivenessPrinted<double>::Params p;
+  p.l = 0.9;
+  p.H1 = {3, 4, 5};
+  p.H2 = {6, 7, 8};
+  p.M.setZero();
+  p.delay = 0.02;  // two samples
+  for (const auto direction : {LearningEffectivenessPrinted<double>::Direction::none,
+                               LearningEffectivenessPrinted<double>::Direction::command}) {
+    p.direction = direction;
+    const bool printed = direction == LearningEffectivenessPrinted<double>::Direction::none;
+    LearningEffectivenessPrinted<double> observer(at.setup, p);
+    for (int restart = 0; restart < 2; ++restart) {
+      // Without correction, command and torque the predicted rate stays what it was at the start: zero.
+      std::vector<Vec3<double>> e{Vec3<double>::Ones(), Vec3<double>::Ones()}, error(2, Vec3<double>::Zero());
+      at.y.omega_BN_B.setZero();
+      at.last.u.setZero();
+      for (int k = 0; k < 12; ++k) {
+        if (k > 0) at.y.omega_BN_B = 1e-3 * Vec3<double>(k % 3 - 1, 1, -k % 2);
+        if (k > 0) at.last.u << 1e-15, -1e-15, 1e-15;  // too small to turn the ball, large enough to have a sign
+        const Estimate<double> x = k == 0 ? observer.start(at.y) : observer.step(at.y, at.last);
+        const Vec3<double>&old_e = e[e.size() - 2], &old_error = error[error.size() - 2];
+        Vec3<double> now;
+        for (int i = 0; i < 3; ++i) {
+          const double lesson = p.H1[i] * at.y.omega_BN_B[i] + p.H2[i] * old_error[i];
+          now[i] = printed ? std::clamp(p.l * old_e[i] + lesson, p.e_min, 1.0) : old_e[i];
+          if (!printed && k > 0) now[i] = std::clamp(p.l * old_e[i] + (i == 1 ? -lesson : lesson), p.e_min, 1.0);
+        }
+        EXPECT_LT((x.effectiveness - now).norm(), 1e-12) << k;
+        e.push_back(now);
+        error.push_back(at.y.omega_BN_B);
+      }
+    }
+    p.u_exc = 0;
+  }
+}
+
 }  // namespace
 }  // namespace gyrostat::test

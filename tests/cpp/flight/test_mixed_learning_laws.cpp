@@ -171,5 +171,102 @@ TYPED_TEST(MixedLearningLaws, WithoutItsPowersTheTerminalLawIsTheLinearOne) {
   }
 }
 
+TEST(SlidingMode, TheNetworkIsTheOneOfItsPage) {
+  const auto setup = ftc_4rw<double>();
+  auto p = SlidingMode<double>::Params::defaults(setup);
+  SlidingMode<double> plain(setup, p);
+  p.network_rate = 0.3;
+  p.network_leak = 0.7;
+  p.network_reach = 0.4;
+  SlidingMode<double> law(setup, p);
+  // The origin, and one node each way along each of q and w.
+  Eigen::Matrix<double, 13, 6> node = Eigen::Matrix<double, 13, 6>::Zero();
+  for (int i = 0; i < 6; ++i) {
+    node(1 + 2 * i, i) = p.network_reach;
+    node(2 + 2 * i, i) = -p.network_reach;
+  }
+  const Detection<double> det = Detection<double>::none(setup.vehicle);
+  const Allocation<double> last = Allocation<double>::idle(4);
+  Random random(8);
+  for (int start = 0; start < 2; ++start) {
+    Eigen::Matrix<double, 13, 3> W = Eigen::Matrix<double, 13, 3>::Zero();
+    for (int k = 0; k < 50; ++k) {
+      const Estimate<double> x = some_estimate<double>(random);
+      const Vec3<double> with = k == 0 ? law.start(x, det, {}).tau_B : law.step(x, det, {}, last).tau_B;
+      const Vec3<double> without = k == 0 ? plain.start(x, det, {}).tau_B : plain.step(x, det, {}, last).tau_B;
+      Eigen::Matrix<double, 6, 1> input;
+      input << short_way(x.q_NB).vec(), x.omega_BN_B;
+      Eigen::Matrix<double, 13, 1> phi;
+      for (int i = 0; i < 13; ++i)
+        phi[i] = std::exp(-(input - node.row(i).transpose()).squaredNorm() / (p.network_reach * p.network_reach));
+      const Vec3<double> torque = W.transpose() * phi;
+      ASSERT_LT((without - with - torque).norm(), 1e-13) << k;  // differences of torques of order one
+      const std::vector<double> s_values = telemetry_of(law).at("s");
+      const Vec3<double> s(s_values[0], s_values[1], s_values[2]);
+      const double forgotten = setup.dt * p.network_rate * p.network_leak * s.norm();  // implicit Euler
+      W = (W + setup.dt * p.network_rate * phi * s.transpose()) / (1 + forgotten);
+    }
+    EXPECT_GT(W.norm(), 1e-3) << "it learnt something, and a start forgets it";
+  }
+}
+
+TYPED_TEST(SlidingLaws, SubtractTheEstimatedTorqueOnceWhereThatIsAskedFor) {
+  using S = typename TypeParam::Scalar;
+  const Setup<S> setup = ftc_4rw<S>();
+  auto p = TypeParam::Params::defaults(setup);
+  p.compensate = true;
+  TypeParam with(setup, p);
+  p.compensate = false;
+  TypeParam without(setup, p);
+  Random random(9);
+  const Estimate<S> x = some_estimate<S>(random);
+  const Vec3<S> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;
+  EXPECT_LT((difference - x.d_B).norm(), S(8) * Eigen::NumTraits<S>::epsilon());  // of torques of order one
+}
+
+TYPED_TEST(SlidingLaws, CountTheSlopeOfTheirLayerForStability) {
+  using S = typename TypeParam::Scalar;
+  const Setup<S> setup = ftc_4rw<S>();
+  auto p = TypeParam::Params::defaults(setup);
+  p.k_lin = S(1);
+  p.k_sgn = S(1);
+  // slope dt < 2 J of the smallest inertia, 14.8: a slope of 3600 N m s is too much, one of 2400 is not
+  p.width = p.k_sgn / S(3600);
+  EXPECT_EQ(TypeParam::check(setup, p).code, Status<S>::Code::unstable);
+  p.width = p.k_sgn / S(2400);
+  EXPECT_TRUE(TypeParam::check(setup, p).ok());
+}
+
+TEST(MixedLearningTerminal, ReachesWithThePowerOfS) {
+  const auto setup = ftc_4rw<double>();
+  auto p = MixedLearningTerminalSlidingMode<double>::Params::defaults(setup);
+  p.k_power = 0;
+  MixedLearningTerminalSlidingMode<double> without(setup, p);
+  p.k_power = 0.7;
+  p.power_s = 0.6;
+  MixedLearningTerminalSlidingMode<double> with(setup, p);
+  Random random(10);
+  const Estimate<double> x = some_estimate<double>(random);
+  const Vec3<double> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;
+  const std::vector<double> s = telemetry_of(with).at("s");
+  for (int i = 0; i < 3; ++i) {
+    const double value = s[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(difference[i], 0.7 * std::copysign(std::pow(std::abs(value), 0.6), value), 1e-14);
+  }
+}
+
+TEST(MixedLearningTerminal, RefusesACoreThatIsFasterThanThePeriod) {
+  const auto setup = ftc_4rw<double>();
+  auto p = MixedLearningTerminalSlidingMode<double>::Params::defaults(setup);
+  p.delta = 0.1;
+  p.terminal = 0.5;
+  p.power = 0.5;
+  // (delta + 1.5 terminal / sqrt(core)) dt / 2 is one at core = (1.5 terminal dt / (2 - delta dt))^2, 1.41e-5
+  p.core = 1.3e-5;
+  EXPECT_EQ(MixedLearningTerminalSlidingMode<double>::check(setup, p).code, Status<double>::Code::unstable);
+  p.core = 1.5e-5;
+  EXPECT_TRUE(MixedLearningTerminalSlidingMode<double>::check(setup, p).ok());
+}
+
 }  // namespace
 }  // namespace gyrostat::test

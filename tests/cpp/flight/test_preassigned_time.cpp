@@ -2,6 +2,8 @@
 // The path to rest at a preassigned time, and the law that follows it: end conditions, any start, both coordinates.
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "gyrostat/flight/controllers/preassigned_time_sliding_mode.hpp"
 #include "random.hpp"
 #include "telemetry_log.hpp"
@@ -228,6 +230,199 @@ TEST(PreassignedTime, RefusesWhatIsUnstableWhenHeld) {
   EXPECT_TRUE(Law::check(setup, gains(5)).ok());
   setup.vehicle.J_B(0, 1) = setup.vehicle.J_B(1, 0) = 1;
   EXPECT_EQ(Law::check(setup, gains(5)).code, Status<double>::Code::wrong_chart);
+}
+
+// ---- the law written out, and what it plans -----------------------------------------------------------------------
+
+Estimate<double> state(int actuators) {
+  Estimate<double> x;
+  x.h_w = VecN<double>::Zero(actuators);
+  x.effectiveness = VecN<double>::Ones(actuators);
+  return x;
+}
+
+TEST(PreassignedTime, IsThePrintedLawWithAMovingReferenceAndAnEstimatedTorque) {
+  const auto setup = printed(0.02);
+  const Vehicle<double>& v = setup.vehicle;
+  const Law::Params p = gains(3);
+  Random random(11);
+  for (int trial = 0; trial < 50; ++trial) {
+    Law law(setup, p);
+    Estimate<double> x = state(3);
+    Reference<double> ref;
+    const auto draw = [&](double angle, double rate) {
+      x.euler.angles = random.vector<double>(angle);
+      x.omega_BN_B = random.vector<double>(rate);
+      x.d_B = random.vector<double>(50);
+      ref.euler = {random.vector<double>(angle), random.vector<double>(rate)};
+      ref.euler_accelerations = random.vector<double>(1);
+    };
+    const auto known = [&]() -> Vec3<double> { return euler_model_acceleration(v, x.euler.angles, x.omega_BN_B); };
+    draw(0.5, 0.5);
+    const Vec3<double> z0 = x.euler.angles - ref.euler.angles, zd0 = x.omega_BN_B - ref.euler.rates;
+    const PreassignedPath<double> path({z0, zd0, known() - ref.euler_accelerations}, p.T);
+    (void)law.start(x, {}, ref);
+    draw(0.5, 0.5);
+    const PathPoint<double> at = path.at(setup.dt);
+    const Vec3<double> e = x.euler.angles - ref.euler.angles - at.p, ed = x.omega_BN_B - ref.euler.rates - at.rate;
+    const Vec3<double> s = p.c * e + ed;
+    Vec3<double> expected;
+    for (int i = 0; i < 3; ++i) {
+      const double switching = std::clamp(s[i] / p.layer, -1.0, 1.0);
+      expected[i] = v.J_B(i, i) * (at.acceleration[i] + ref.euler_accelerations[i] - p.c * ed[i] - p.b * s[i] -
+                                   p.eta * switching - known()[i]) -
+                    x.d_B[i];
+    }
+    const Vec3<double> tau_B = law.step(x, {}, ref, Allocation<double>::idle(3)).tau_B;
+    EXPECT_LT((tau_B - expected).norm(), 1e-12 * expected.norm()) << trial;  // sums in another order
+  }
+}
+
+TEST(PreassignedTime, TakesTheErrorOfAnglesTheShortWayRound) {
+  Law law(ftc_4rw<double>(), gains(5));
+  Estimate<double> x = state(4);
+  x.q_NB = quat_from_euler<double>({0.1, 0.2, 3.1});
+  Reference<double> ref;
+  ref.q_NR = quat_from_euler<double>({0, 0, -3.1});
+  (void)law.start(x, {}, ref);
+  EXPECT_NEAR(telemetry_of(law)["p"][2], 6.2 - 2 * 3.14159265358979323846, 1e-12);
+}
+
+/// The path goes on from the motion as it is, so the first demand of a new plan is what was achieved before.
+TEST(PreassignedTime, APlanAfterAShortfallAsksForWhatWasAchieved) {
+  Random random(12);
+  auto p = gains(4);
+  p.stretch = 10;
+  for (const bool body : {true, false}) {
+    const gyrostat::Setup<double> setup = body ? ftc_4rw<double>() : printed(0.01);
+    const int n = setup.vehicle.actuators();
+    for (int trial = 0; trial < 20; ++trial) {
+      Law law(setup, p);
+      Estimate<double> x = state(n);
+      x.q_NB = quat_from_euler(random.vector<double>(0.5));
+      x.euler.angles = random.vector<double>(0.5);
+      x.h_w.setConstant(body ? 0.1 : 0);
+      Reference<double> ref;
+      ref.omegadot_RN_R = random.vector<double>(1e-3);
+      ref.euler_accelerations = random.vector<double>(1e-3);
+      (void)law.start(x, {}, ref);
+      x.omega_BN_B = random.vector<double>(0.02);
+      x.d_B = random.vector<double>(0.05);
+      Allocation<double> last = Allocation<double>::idle(n);
+      last.achieved_B = random.vector<double>(0.1);
+      last.demand_B = 2 * last.achieved_B + Vec3<double>(0, 0, 10);
+      const Vec3<double> tau_B = law.step(x, {}, ref, last).tau_B;
+      EXPECT_NEAR(telemetry_of(law)["T_left"][0], 4 - 0.01 + 10 * 0.01, 1e-12) << "planned anew";
+      EXPECT_LT((tau_B - last.achieved_B).norm(), 1e-12);  // rounding of J times accelerations
+    }
+  }
+}
+
+TEST(PreassignedTime, FallsShortFromAHundredthOfTheDemandOn) {
+  auto p = gains(5);
+  p.stretch = 10;
+  const auto setup = ftc_4rw<double>();
+  // A hundredth of the demand, and a thousandth of the usable torque for demands about zero.
+  const double torque = usable_torque(setup.vehicle);
+  for (const double missing : {0.99, 1.01}) {
+    Law law(setup, p);
+    const Estimate<double> x = state(4);
+    (void)law.start(x, {}, {});
+    Allocation<double> last = Allocation<double>::idle(4);
+    last.demand_B = Vec3<double>(0.2, 0, 0);
+    last.achieved_B = last.demand_B * (1 - missing * (0.01 + 1e-3 * torque / 0.2));
+    (void)law.step(x, {}, {}, last);
+    EXPECT_NEAR(telemetry_of(law)["T_left"][0], missing < 1 ? 4.99 : 5.09, 1e-12);
+  }
+}
+
+TEST(PreassignedTime, ANewTargetHasAllOfTheTimeAgain) {
+  Law law(ftc_4rw<double>(), gains(5));
+  Estimate<double> x = state(4);
+  const Allocation<double> last = Allocation<double>::idle(4);
+  Reference<double> ref;
+  (void)law.start(x, {}, ref);
+  for (int k = 0; k < 10; ++k) (void)law.step(x, {}, ref, last);
+  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 4.9, 1e-12);
+  ref.event = 1;
+  ref.q_NR = quat_from_euler<double>({0.3, 0, 0});
+  (void)law.step(x, {}, ref, last);
+  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5, 1e-12);
+  EXPECT_NEAR(telemetry_of(law)["p"][0], -0.3, 1e-12);
+}
+
+/// A body of three equal inertias turns without a torque of its own: only the angle that stopping takes is left.
+gyrostat::Setup<double> ball() {
+  Mat3N<double> D(3, 3);
+  D.setIdentity();
+  return vehicle_with<double>(20 * Mat3<double>::Identity(), D, 0.2, 0.01);
+}
+
+bool damps(Law& law, const Estimate<double>& x, const Allocation<double>& last, double c, const Mat3<double>& J) {
+  return (law.step(x, {}, {}, last).tau_B + c * (J * x.omega_BN_B)).norm() == 0;
+}
+
+TEST(PreassignedTime, ATumbleBeginsWhereStoppingTakesARadianAndEndsAtATenthOfIt) {
+  const auto setup = ball();
+  auto p = gains(5);
+  p.stretch = 10;
+  Law law(setup, p);
+  Estimate<double> x = state(3);
+  Allocation<double> short_of = Allocation<double>::idle(3);
+  short_of.demand_B = Vec3<double>(1, 0, 0);
+  const Allocation<double> enough = Allocation<double>::idle(3);
+  // w^2 J / (2 torque): the angle, rad, in which all of the torque stops the turn
+  const auto turn = [&](double angle) { x.omega_BN_B = Vec3<double>(std::sqrt(angle * 2 * 0.2 / 20), 0, 0); };
+  const auto damped = [&](const Allocation<double>& last) { return damps(law, x, last, p.c, setup.vehicle.J_B); };
+  (void)law.start(x, {}, {});
+  turn(0.99);
+  EXPECT_FALSE(damped(short_of));
+  turn(1.01);
+  EXPECT_FALSE(damped(enough)) << "the command is met: no reason to give the path up";
+  EXPECT_TRUE(damped(short_of));
+  turn(0.5);
+  EXPECT_TRUE(damped(enough)) << "until it is over";
+  turn(0.101);
+  EXPECT_TRUE(damped(enough));
+  turn(0.099);
+  EXPECT_FALSE(damped(enough));
+  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5, 1e-12) << "planned anew";
+  turn(0.5);
+  EXPECT_FALSE(damped(enough));
+  turn(1.01);
+  EXPECT_TRUE(damped(short_of));
+  turn(0.5);
+  (void)law.start(x, {}, {});
+  EXPECT_FALSE(damped(enough)) << "a start has no past";
+}
+
+TEST(PreassignedTime, AGyroscopicTorqueBeyondTheActuatorsIsATumbleToo) {
+  const auto setup = ball();
+  auto p = gains(5);
+  p.stretch = 10;
+  Allocation<double> last = Allocation<double>::idle(3);
+  last.demand_B = Vec3<double>(1, 0, 0);
+  for (const double momentum : {1.9, 2.1}) {  // times 0.1 rad/s: 0.2 N m are at hand
+    Law law(setup, p);
+    Estimate<double> x = state(3);
+    (void)law.start(x, {}, {});
+    x.h_w[1] = momentum;
+    x.omega_BN_B = Vec3<double>(0.1, 0, 0);  // stopping takes half a radian
+    EXPECT_EQ(damps(law, x, last, p.c, setup.vehicle.J_B), momentum > 2);
+  }
+}
+
+TEST(PreassignedTime, TheAnglesEndATenthOfAMilliradianBeforeThePoleOrAPeriodBeforeIt) {
+  const double pole = 1.5707963267948966;
+  for (const auto [distance, rate, singular] : {std::tuple(0.9e-4, 0.0, true), std::tuple(1.1e-4, 0.0, false),
+                                                std::tuple(3.8e-3, 0.4, true), std::tuple(4.2e-3, 0.4, false)}) {
+    Law law(ftc_4rw<double>(), gains(5));
+    Estimate<double> x = state(4);
+    const Vec3<double> angles(0.3, pole - distance, -0.2);
+    x.q_NB = quat_from_euler(angles);
+    x.omega_BN_B = euler_rate_matrix(angles) * Vec3<double>(0, rate, 0);
+    EXPECT_EQ(law.start(x, {}, {}).status.has(Flag::singular), singular) << distance;
+  }
 }
 
 }  // namespace

@@ -212,5 +212,74 @@ TEST(PrescribedPerformance, RefusesWhatCannotWork) {
   EXPECT_EQ(C::check(setup, p).code, Status<double>::Code::unstable);
 }
 
+/// Half a turn and a little more about x: the short way is negative.
+template <class S>
+Estimate<S> beyond_half_a_turn(S by) {
+  Measurement<S> y;
+  const S half = S(1.57079632679489662) + by / S(2);
+  y.q_NB = Quat<S>(std::cos(half), std::sin(half), S(0), S(0));
+  y.h_w = VecN<S>::Zero(3);
+  return Estimate<S>::healthy(y);
+}
+
+TYPED_TEST(PrescribedPerformanceLaw, TakesTheShortWayAtAJumpAndKeepsItBetweenJumps) {
+  using S = TypeParam;
+  const gyrostat::Setup<S> setup = orthogonal<S>();
+  const auto expect = [&](auto law) {
+    auto fresh = law;
+    const auto q_error = [](const auto& l) { return telemetry_of(l).at("q_error")[0]; };
+    Reference<S> ref;
+    Detection<S> det;
+    (void)law.start(beyond_half_a_turn(S(-0.02)), det, ref);
+    EXPECT_NEAR(q_error(law), 1, 1e-3);
+    // The body turns past half a turn: no jump of the reference, so the law does not change its mind, a fault or not.
+    for (const std::uint32_t event : {0u, 1u}) {
+      det.event = event;
+      (void)law.step(beyond_half_a_turn(S(0.02)), det, ref, {});
+      EXPECT_NEAR(q_error(law), 1, 1e-3) << event;
+    }
+    ref.event = 1;
+    const Vec3<S> tau_B = law.step(beyond_half_a_turn(S(0.02)), det, ref, {}).tau_B;
+    EXPECT_NEAR(q_error(law), -1, 1e-3);
+    EXPECT_EQ(tau_B, fresh.start(beyond_half_a_turn(S(0.02)), det, ref).tau_B) << "as one that starts there";
+    EXPECT_NEAR(q_error(fresh), -1, 1e-3);
+  };
+  expect(PrescribedPerformance<S>(setup, default_params<PrescribedPerformance<S>>(setup)));
+  expect(FastTerminalSlidingMode<S>(setup, default_params<FastTerminalSlidingMode<S>>(setup)));
+}
+
+TEST(PrescribedPerformance, AnArmBeginsTheFunnelAnewAndAStartForgetsTheBreaches) {
+  using C = PrescribedPerformance<double>;
+  const gyrostat::Setup<double> setup = orthogonal<double>();
+  C law(setup, default_params<C>(setup)), fresh = law;
+  const Estimate<double> far = turned_by<double>({0.3, -0.2, 0.1}), near = turned_by<double>({0.01, 0.02, 0.4});
+  Detection<double> det;
+  (void)law.start(far, det, {});
+  for (int k = 0; k < 3000; ++k) (void)law.step(far, det, {}, {});  // the funnel closes on an error that does not move
+  EXPECT_EQ(telemetry_of(law).at("breaches")[0], 1);
+  det.event = 1;
+  const Vec3<double> tau_B = law.step(near, det, {}, {}).tau_B;
+  EXPECT_EQ(tau_B, fresh.start(near, det, {}).tau_B) << "the time of the old funnel is over";
+  (void)law.start(far, det, {});
+  EXPECT_EQ(telemetry_of(law).at("breaches")[0], 0);
+  EXPECT_EQ(telemetry_of(law).at("arms")[0], 1);
+  EXPECT_GT(telemetry_of(law).at("lowest_margin")[0], 0);
+}
+
+TEST(PrescribedPerformance, CountsTheTorqueOfRegularActuatorsOnTheirWeakerSide) {
+  using C = PrescribedPerformance<double>;
+  gyrostat::Setup<double> setup =
+      vehicle_with<double>(satellite_inertia<double>(), Mat3N<double>(pyramid<double>()), 0.2, 0.01);
+  setup.vehicle.spare.set(3);
+  setup.vehicle.u_lo[1] = -0.1;
+  C law(setup, default_params<C>(setup));
+  Measurement<double> y;
+  y.q_NB = quat_from_euler<double>({0.5, 0, 0});
+  y.h_w = VecN<double>::Zero(4);
+  (void)law.start(Estimate<double>::healthy(y), {}, {});
+  const double torque = (0.2 + 0.1 + 0.2) / std::sqrt(3.0);
+  EXPECT_NEAR(telemetry_of(law).at("closing_time")[0], std::sqrt(4 * 2 * 0.5 * 20 / torque), 1e-12);
+}
+
 }  // namespace
 }  // namespace gyrostat::test

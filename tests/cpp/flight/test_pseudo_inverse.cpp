@@ -229,5 +229,52 @@ TEST(PseudoInverseCheck, RefusesAVehicleWithoutActuators) {
   EXPECT_FALSE(PseudoInverse<double>::check(setup, {}).ok());
 }
 
+TEST(PseudoInverse, WhatIsUnknownCountsAsHealthyWhereThatIsAskedFor) {
+  auto setup = unlimited();
+  Inputs<double> in(setup);
+  in.demand.tau_B = {0.01, -0.02, 0.03};
+  in.x.effectiveness << 0.5, 0.6, 0.7, 0.8;
+  in.x.effectiveness_bound << 0.1, infinity, 0.2, infinity;
+  PseudoInverse<double>::Params p;
+  const VecN<double> as_estimated = PseudoInverse<double>(setup, p).step(in.demand, in.x, in.det).u;
+  p.unknown = PseudoInverse<double>::Unknown::nominal;
+  const VecN<double> nominal = PseudoInverse<double>(setup, p).step(in.demand, in.x, in.det).u;
+  Inputs<double> healthy = in;
+  healthy.x.effectiveness << 0.5, 1, 0.7, 1;
+  EXPECT_EQ(nominal, PseudoInverse<double>(setup, {}).step(healthy.demand, healthy.x, healthy.det).u);
+  EXPECT_GT((nominal - as_estimated).norm(), 1e-3);
+}
+
+TEST(PseudoInverse, MovesNoFasterThanItsRateEitherWay) {
+  auto setup = ftc_4rw<double>();
+  setup.vehicle.u_rate << 1, 2, 3, 4;  // 0.01 ... 0.04 N m a sample
+  const VecN<double> step = setup.vehicle.u_rate * 0.01;
+  PseudoInverse<double> allocator(setup, {});
+  Inputs<double> in(setup);
+  VecN<double> u = VecN<double>::Zero(4);
+  for (int k = 0; k < 40; ++k) {
+    in.demand.tau_B = Vec3<double>(0.15, -0.1, 0.12) * (k / 10 % 2 == 0 ? 1 : -1);
+    const VecN<double> wish = setup.vehicle.D_B.transpose() * (0.75 * in.demand.tau_B);
+    for (int i = 0; i < 4; ++i) u[i] = std::clamp(wish[i], u[i] - step[i], u[i] + step[i]);
+    const Allocation<double> out = allocator.step(in.demand, in.x, in.det);
+    EXPECT_LT((out.u - u).cwiseAbs().maxCoeff(), 1e-15) << k;
+    u = out.u;
+  }
+  ASSERT_GT(u.cwiseAbs().maxCoeff(), 0.05);
+  allocator.reset();
+  const VecN<double> first = allocator.step(in.demand, in.x, in.det).u;
+  for (int i = 0; i < 4; ++i) EXPECT_LE(std::abs(first[i]), step[i]) << "from zero again";
+}
+
+TEST(PseudoInverse, DoesNotPreferWhatItMayNotUse) {
+  auto setup = unlimited();
+  Inputs<double> in(setup);
+  in.demand.u_pref = VecN<double>::Constant(4, 0.1);
+  in.det.failed.set(2);
+  const Allocation<double> out = PseudoInverse<double>(setup, {}).step(in.demand, in.x, in.det);
+  EXPECT_EQ(out.u[2], 0);
+  EXPECT_LT(out.achieved_B.norm(), 1e-15) << "no torque was asked for";
+}
+
 }  // namespace
 }  // namespace gyrostat::test

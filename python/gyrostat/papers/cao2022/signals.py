@@ -60,11 +60,6 @@ def rate(result: Result) -> Array:
     return np.asarray(np.linalg.norm(result["truth.omega_BN_B"], axis=1, keepdims=True), dtype=np.float64)
 
 
-def at(result: Result, *, signal: Array, time: float) -> float:
-    """The value at a sample."""
-    return float(signal[int(np.argmin(np.abs(result.t - time)))])
-
-
 def random_attitude(rng: np.random.Generator, *, norm: list[float], rate: float = 0.0) -> dict[str, Any]:
     """Sample an initial state: each rate normal with a deviation, rad/s, and an attitude of an MRP norm in a range.
 
@@ -93,5 +88,4 @@ SIGNALS = {
     f.__name__: f
     for f in (effectiveness_error, shadow_error, inertia_error, breach, unknown, attitude, rate, effectiveness_now)
 }
-METRICS = {"at": at}
 SAMPLERS = {"random_attitude": random_attitude}

@@ -72,12 +72,18 @@ def early_spare(result: Result) -> Array:
 
 def event_time(result: Result, *, name: str, count: int = 1, after: float = 0.0) -> float:
     """When a counter reached `count`, s after `after`."""
-    return next(e.t for e in result.events if e.name == name and e.count >= count) - after
+    return _first([e.t for e in result.events if e.name == name and e.count >= count], name) - after
 
 
 def first_event_after(result: Result, *, name: str, after: float) -> float:
     """How long after `after` a counter moved, s."""
-    return next(e.t for e in result.events if e.name == name and e.t >= after) - after
+    return _first([e.t for e in result.events if e.name == name and e.t >= after], name) - after
+
+
+def _first(times: list[float], name: str) -> float:
+    if not times:
+        raise ValueError(f"'{name}' did not count so far")
+    return times[0]
 
 
 def slew_settling(result: Result, *, signal: Array, band: float, window: tuple[float, float]) -> float:
@@ -194,6 +200,51 @@ def energy_ratio(result: Result, *, signal: Array, against: Result, other: Array
     return metrics.energy(result.t, signal) / metrics.energy(against.t, other)
 
 
+def gain_law(
+    result: Result,
+    *,
+    k1: tuple[float, float, float],
+    k2: tuple[float, float, float],
+    k4: tuple[float, float, float],
+    deadzone: float,
+    leak: float,
+    chi: float,
+    gamma: float,
+) -> float:
+    """Largest relative difference of the gains from (5) on the recorded rate errors; each: first, largest, rate."""
+    dt = float(result.description["dt"])
+    expected = np.array([k1[0], k2[0], k4[0]])
+    worst = 0.0
+    for m, found in zip(np.linalg.norm(result["observer.error"], axis=1)[1:], result["observer.gains"][1:], strict=True):
+        for i, (first, largest, rate) in ((0, k1), (2, k4)):
+            grown = expected[i] + dt * (rate * m if m > deadzone else -leak * (expected[i] - first))
+            expected[i] = min(grown, largest)
+        moved = k2[2] * m * np.sign(m - chi) if expected[1] > k2[0] else gamma
+        expected[1] = min(max(expected[1] + dt * moved, 0.0), k2[1])
+        worst = max(worst, float(np.max(np.abs(found / expected - 1.0))))
+    return worst
+
+
+def surface_law(result: Result, *, b1: float, b2: float, r: float, eps_core: float, z_max: float) -> float:
+    """Largest difference of s from ``w_e + b1 eps + b2 sig^r(eps)`` at the recorded z and rates, rad/s; reference at rest."""
+    z = result["controller.z"]
+    inside = np.clip(z, -z_max, z_max)
+    eps = np.log((1.0 + inside) / (1.0 - inside)) + 2.0 / (1.0 - z_max**2) * (z - inside)
+    size = np.abs(eps)
+    core = ((2.0 - r) * eps_core ** (r - 1.0) + (r - 1.0) * eps_core ** (r - 2.0) * size) * eps
+    power = np.where(size < eps_core, core, np.sign(eps) * size**r)
+    s = result["estimate.omega_BN_B"] + b1 * eps + b2 * power
+    return float(np.max(np.abs(s - result["controller.s"])))
+
+
+def shortest_gap(result: Result) -> float:
+    """Between two declarations of one actuator, s."""
+    rows = 1 + np.nonzero(np.diff(result["detection.event"]))[0]
+    members = result["detector.declared"][rows].astype(int)
+    gaps = [np.diff(result.t[rows[(members >> i & 1) == 1]]) for i in range(axes(result).shape[1])]
+    return float(np.concatenate(gaps).min())
+
+
 SIGNALS = {
     "index": index,
     "index_error": _index_error(""),
@@ -217,5 +268,8 @@ METRICS = {
         recorded_allocation,
         recorded_excess,
         energy_ratio,
+        gain_law,
+        surface_law,
+        shortest_gap,
     )
 }

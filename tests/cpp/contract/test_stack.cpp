@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+// What the stack passes on, in which order things start, and what is left when a component fails twice.
+#include <gtest/gtest.h>
+
+#include "stacks.hpp"
+
+namespace gyrostat::test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Tick trouble = 10;
+
+template <class O = Passthrough<double>, class D = NoDetector<double>, class C = MrpFeedback<double>,
+          class A = PseudoInverse<double>>
+FlightStack<O, D, C, A> flown(const gyrostat::Setup<double>& setup = ftc_4rw<double>()) {
+  return stack_of<O, D, C, A>(setup);
+}
+
+/// Slow actuators: 2 mN m a sample.
+gyrostat::Setup<double> slow() {
+  gyrostat::Setup<double> setup = ftc_4rw<double>();
+  setup.vehicle.u_rate.setConstant(0.2);
+  return setup;
+}
+
+Measurement<double> spoilt(Tick tick) {
+  Measurement<double> y = wobble<double>(tick, 4);
+  y.omega_BN_B[0] = nan;
+  return y;
+}
+
+Reference<double> bad_reference() {
+  Reference<double> ref;
+  ref.q_NR.x() = nan;
+  return ref;
+}
+
+TEST(Stack, TellsItsComponentsTheSampleAlsoWhileItHoldsAnInput) {
+  auto stack = flown();
+  for (Tick k = 100; k < 110; ++k) {
+    stack.step(k % 3 == 2 ? spoilt(k) : wobble<double>(k, 4), {});
+    EXPECT_EQ(stack.estimate().tick, k);
+  }
+}
+
+TEST(Stack, StartsOnlyOnceBothInputsWereValid) {
+  auto stack = flown();
+  EXPECT_EQ(stack.step(wobble<double>(0, 4), bad_reference()).u, VecN<double>::Zero(4));
+  EXPECT_TRUE(stack.last().status.has(Flag::input_held));
+  EXPECT_EQ(stack.step(spoilt(1), {}).u, VecN<double>::Zero(4)) << "the reference is there, and so was a measurement";
+  auto other = flown();
+  EXPECT_EQ(other.step(spoilt(0), {}).u, VecN<double>::Zero(4));
+  EXPECT_NE(other.step(wobble<double>(1, 4), bad_reference()).u, VecN<double>::Zero(4)) << "the reference is held";
+}
+
+TEST(Stack, ResetForgetsTheCommandThatRateLimitsCountFrom) {
+  auto fresh = flown(slow()), used = fresh;
+  for (Tick k = 0; k < 60; ++k) used.step(wobble<double>(k, 4), {});
+  ASSERT_GT(used.last().u.cwiseAbs().maxCoeff(), 0.05);
+  used.reset();
+  for (Tick k = 0; k < 5; ++k) {
+    fresh.step(wobble<double>(k, 4), {});
+    used.step(wobble<double>(k, 4), {});
+    EXPECT_EQ(used.last().u, fresh.last().u) << k;
+    EXPECT_LE(used.last().u.cwiseAbs().maxCoeff(), 2e-3 * static_cast<double>(k + 1) * (1 + 1e-15));
+  }
+}
+
+TEST(Stack, StartsItsAllocatorAnewWhateverItDidBefore) {
+  auto fresh = flown(slow()), used = fresh;
+  Demand<double> demand;
+  demand.tau_B = {0.1, 0.1, 0.1};
+  const Estimate<double> x = Estimate<double>::healthy(wobble<double>(0, 4));
+  for (int k = 0; k < 50; ++k) (void)used.allocator.step(demand, x, Detection<double>::none(slow().vehicle));
+  EXPECT_EQ(used.step(wobble<double>(0, 4), {}).u, fresh.step(wobble<double>(0, 4), {}).u);
+}
+
+TEST(Stack, ResetForgetsTheInputsThatItHeld) {
+  auto stack = flown();
+  for (Tick k = 0; k < 20; ++k) stack.step(wobble<double>(k, 4), {});
+  stack.reset();
+  EXPECT_EQ(stack.step(spoilt(20), {}).u, VecN<double>::Zero(4)) << "no measurement to hold";
+  stack.reset();
+  EXPECT_EQ(stack.step(wobble<double>(20, 4), bad_reference()).u, VecN<double>::Zero(4)) << "no reference to hold";
+}
+
+TEST(Stack, IsIdleInsideLimitsThatDoNotHoldZero) {
+  gyrostat::Setup<double> setup = ftc_4rw<double>();
+  setup.vehicle.u_lo << 0.05, -0.2, -0.2, -0.2;
+  setup.vehicle.u_up << 0.2, 0.2, -0.1, 0.2;
+  auto stack = flown(setup);
+  VecN<double> nearest(4);
+  nearest << 0.05, 0, -0.1, 0;
+  EXPECT_EQ(stack.last().u, nearest);
+  EXPECT_EQ(stack.step(spoilt(0), {}).u, nearest);
+  for (Tick k = 1; k < 5; ++k) stack.step(wobble<double>(k, 4), {});
+  stack.reset();
+  EXPECT_EQ(stack.last().u, nearest);
+}
+
+// ---- the second failure in a row ----------------------------------------------------------------------------------
+
+/// From one sample on neither start nor step give anything of use.
+struct LostController : MrpFeedback<double> {
+  using MrpFeedback::MrpFeedback;
+  Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) noexcept {
+    return broken(MrpFeedback::start(x, det, ref), x.tick);
+  }
+  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
+                      const Allocation<double>& last) noexcept {
+    return broken(MrpFeedback::step(x, det, ref, last), x.tick);
+  }
+  static Demand<double> broken(Demand<double> demand, Tick tick) noexcept {
+    if (tick >= trouble) demand.tau_B[1] = nan;
+    if (tick >= trouble) demand.u_pref = VecN<double>::Constant(4, 0.1);
+    return demand;
+  }
+};
+
+struct LostObserver : Passthrough<double> {
+  using Passthrough::Passthrough;
+  Estimate<double> start(const Measurement<double>& y) noexcept { return broken(Passthrough::start(y)); }
+  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+    return broken(Passthrough::step(y, last));
+  }
+  static Estimate<double> broken(Estimate<double> x) noexcept {
+    if (x.tick >= trouble) x.effectiveness[2] = nan;
+    return x;
+  }
+};
+
+struct LostDetector : NoDetector<double> {
+  using NoDetector::NoDetector;
+  Detection<double> start(const Estimate<double>& x) noexcept { return broken(NoDetector::start(x), x.tick); }
+  Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) noexcept {
+    return broken(NoDetector::step(x, last), x.tick);
+  }
+  static Detection<double> broken(Detection<double> det, Tick tick) noexcept {
+    if (tick < trouble) return det;
+    det.failed = Mask::all(4);
+    det.u_probe = VecN<double>::Constant(4, infinity);
+    return det;
+  }
+};
+
+/// Steps until after the trouble; every sample of it must hold the command from before, and say so.
+template <class Stack>
+void expect_held_from_trouble_on(Stack& stack) {
+  for (Tick k = 0; k < trouble; ++k) stack.step(wobble<double>(k, 4), {});
+  const VecN<double> previous = stack.last().u;
+  EXPECT_FALSE(stack.last().status.has(Flag::component_reset));
+  for (Tick k = trouble; k < trouble + 4; ++k) {
+    stack.step(wobble<double>(k, 4), {});
+    EXPECT_EQ(stack.last().u, previous) << k;
+    EXPECT_TRUE(stack.last().status.has(Flag::component_reset)) << k;
+    EXPECT_TRUE(stack.last().status.has(Flag::command_held)) << k;
+  }
+}
+
+TEST(StackFailsTwice, AControllerLeavesNoDemand) {
+  auto stack = flown<Passthrough<double>, NoDetector<double>, LostController>();
+  expect_held_from_trouble_on(stack);
+  EXPECT_EQ(stack.demand().tau_B, Vec3<double>(Vec3<double>::Zero()));
+  EXPECT_EQ(stack.last().demand_B, Vec3<double>(Vec3<double>::Zero()));
+  EXPECT_TRUE(stack.demand().u_pref.isZero(0));
+}
+
+TEST(StackFailsTwice, AnObserverLeavesTheMeasuredStateAndHealthyActuators) {
+  auto stack = flown<LostObserver>();
+  expect_held_from_trouble_on(stack);
+  EXPECT_EQ(stack.estimate().effectiveness, VecN<double>::Ones(4));
+  EXPECT_EQ(stack.estimate().omega_BN_B, wobble<double>(trouble + 3, 4).omega_BN_B);
+}
+
+TEST(StackFailsTwice, ADetectorLeavesNothingDetected) {
+  auto stack = flown<Passthrough<double>, LostDetector>();
+  expect_held_from_trouble_on(stack);
+  EXPECT_FALSE(stack.detection().failed.any());
+  EXPECT_EQ(stack.detection().enabled, Mask::all(4));
+  EXPECT_EQ(stack.detection().u_probe.size(), 0);
+}
+
+TEST(StackFailsAtStart, AnObserverAndADetectorLeaveTheMeasuredState) {
+  auto observer = flown<LostObserver>();
+  observer.step(wobble<double>(trouble, 4), {});
+  EXPECT_EQ(observer.estimate().effectiveness, VecN<double>::Ones(4));
+  EXPECT_TRUE(observer.last().status.has(Flag::component_reset));
+  EXPECT_EQ(observer.last().u, VecN<double>::Zero(4)) << "held: there was no command yet";
+  auto detector = flown<Passthrough<double>, LostDetector>();
+  detector.step(wobble<double>(trouble, 4), {});
+  EXPECT_FALSE(detector.detection().failed.any());
+  EXPECT_TRUE(detector.last().u.allFinite());
+  EXPECT_EQ(detector.last().u, flown().step(wobble<double>(trouble, 4), {}).u);
+}
+
+// ---- what is told of a command that was held or clipped ----------------------------------------------------------
+
+/// Knows that wheel 1 gives half, and flags what it is asked to.
+struct KnowingObserver : Passthrough<double> {
+  using Passthrough::Passthrough;
+  Estimate<double> start(const Measurement<double>& y) noexcept { return known(Passthrough::start(y)); }
+  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+    return known(Passthrough::step(y, last));
+  }
+  static Estimate<double> known(Estimate<double> x) noexcept {
+    x.effectiveness[1] = 0.5;
+    if (x.tick == 3) x.status.set(Flag::singular);
+    return x;
+  }
+};
+
+/// A command that is not finite at one sample, far outside of every limit around it, of either sign.
+struct WildAllocator : PseudoInverse<double> {
+  using PseudoInverse::PseudoInverse;
+  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+                          const Detection<double>& det) noexcept {
+    Allocation<double> out = PseudoInverse::step(demand, x, det);
+    if (x.tick == trouble) out.achieved_B[2] = nan;
+    if (x.tick > trouble) out.u << 7, -7, 7, -7;
+    return out;
+  }
+};
+
+TEST(StackTells, WhatAnObserverReports) {
+  auto stack = flown<KnowingObserver>();
+  for (Tick k = 0; k < 6; ++k) EXPECT_EQ(stack.step(wobble<double>(k, 4), {}).status.has(Flag::singular), k == 3) << k;
+}
+
+TEST(StackTells, OfAHeldCommandTheDemandOfThisSampleAndTheTorqueOfTheWeakActuators) {
+  auto stack = flown<KnowingObserver, NoDetector<double>, MrpFeedback<double>, WildAllocator>();
+  for (Tick k = 0; k < trouble; ++k) stack.step(wobble<double>(k, 4), {});
+  const VecN<double> previous = stack.last().u;
+  const Allocation<double>& held = stack.step(wobble<double>(trouble, 4), {});
+  EXPECT_EQ(held.u, previous);
+  EXPECT_EQ(held.demand_B, stack.demand().tau_B);
+  VecN<double> delivered = previous;
+  delivered[1] *= 0.5;
+  EXPECT_LT((held.achieved_B - torque<double>(ftc_4rw<double>().vehicle.D_B, delivered)).norm(), 1e-16);
+}
+
+TEST(StackTells, OfAClippedCommandItsTorqueAndWhichActuatorsEachWay) {
+  const gyrostat::Setup<double> setup = slow();
+  auto stack = flown<KnowingObserver, NoDetector<double>, MrpFeedback<double>, WildAllocator>(setup);
+  for (Tick k = 0; k <= trouble; ++k) stack.step(wobble<double>(k, 4), {});
+  VecN<double> expected = stack.last().u;
+  for (Tick k = trouble + 1; k < trouble + 150; ++k) {
+    for (int i = 0; i < 4; ++i) expected[i] = std::clamp(expected[i] + (i % 2 == 0 ? 2e-3 : -2e-3), -0.2, 0.2);
+    const Allocation<double>& out = stack.step(wobble<double>(k, 4), {});
+    ASSERT_LT((out.u - expected).cwiseAbs().maxCoeff(), 1e-15) << k;
+    expected = out.u;
+    EXPECT_EQ(out.saturated, Mask::all(4));
+    VecN<double> delivered = out.u;
+    delivered[1] *= 0.5;
+    EXPECT_LT((out.achieved_B - torque<double>(setup.vehicle.D_B, delivered)).norm(), 1e-15);
+  }
+  EXPECT_EQ(expected.cwiseAbs(), VecN<double>::Constant(4, 0.2));
+}
+
+}  // namespace
+}  // namespace gyrostat::test
