@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: MIT
+"""``python -m gyrostat`` is the command ``gyrostat``."""
+
+from gyrostat.cli import main
+
+main()
