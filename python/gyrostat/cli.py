@@ -129,8 +129,11 @@ def run(
     settings: Settings = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="Save: `run.npz` for the data, a folder for data, scenario, figure and a page (`index.html`)."),
+        typer.Option(
+            help="Save: `run.npz` for the data, a folder for data, scenario, figure and a page (`index.html`)."
+        ),
     ] = None,
+    *,
     every: Annotated[int, typer.Option(min=1, help="Record every so many samples.")] = 1,
     single_file: SingleFile = False,
     as_json: Json = False,
@@ -178,6 +181,7 @@ def compare(
         typer.Option(metavar="KEY=A,B,...", help="Fly one scenario with each of these values. Repeatable: all pairs."),
     ] = None,
     settings: Settings = None,
+    *,
     out: Annotated[
         Path | None, typer.Option(help="A folder, or a file `.html`, for a page that lays the runs over each other.")
     ] = None,

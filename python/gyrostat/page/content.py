@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrostat.page import geometry, marks, panels
-from gyrostat.page.thinning import clock, pack, pack_indices, within
+from gyrostat.page.packing import clock, cost, pack, pack_indices
 from gyrostat.results import Result
+from gyrostat.thinning import within
 
 Array = NDArray[np.float64]
 
@@ -23,8 +25,9 @@ FRAMES = 130_000
 _most_frames = 1500
 _most_rows = 40
 """Of ticks, a run that is alone on its page."""
-_most_marks = 100
-"""Of one kind, told with their words; the strip of ticks shows more."""
+_most_faults = 200
+_most_marks = 60
+"""Of one kind through all panels; more would cover them, and are ticks only."""
 
 _channels = (
     "truth.q_NB",
@@ -80,7 +83,8 @@ def content(runs: Mapping[str, Result]) -> Content:
     results = list(runs.values())
     drawn = panels.of_run(results[0]) if len(results) == 1 else panels.of_runs(results)
     lines = {f"{p.name} {i}": line.x for p in drawn for i, line in enumerate(p.lines)}
-    thinned = within(lines, LINES)
+    longest = max(len(r) for r in results)
+    thinned = within(lines, LINES, lambda kept: cost(longest, kept))
 
     def packed(panel: panels.Panel, i: int, line: panels.Line) -> dict[str, Any]:
         kept = thinned.kept[f"{panel.name} {i}"]
@@ -99,9 +103,7 @@ def content(runs: Mapping[str, Result]) -> Content:
         }
         for panel in drawn
     ]
-    flown = [
-        _run(label, result, color, FRAMES // len(results)) for color, (label, result) in enumerate(runs.items())
-    ]
+    flown = [_run(label, result, color, FRAMES // len(results)) for color, (label, result) in enumerate(runs.items())]
     return Content(
         {"runs": [table for table, _ in flown], "panels": tables}, thinned.stretch, max(frames for _, frames in flown)
     )
@@ -127,7 +129,7 @@ def _run(label: str, result: Result, color: int, budget: int) -> tuple[dict[str,
     columns = sum(x.shape[1] for x in (*attitudes.values(), *per_actuator.values(), *(a for *_, a in arrows)))
     most = min(max(budget // (columns * 16 // 3 + 6), 2), _most_frames)
     kept = np.unique(np.linspace(0, len(result) - 1, min(most, len(result))).round().astype(int))
-    u = np.abs(per_actuator.get("u", np.zeros((1, np.shape(vehicle["D_B"])[1]))))
+    u = np.abs(np.nan_to_num(per_actuator.get("u", np.zeros((1, np.shape(vehicle["D_B"])[1])))))
     table = {
         "label": label,
         "color": color,
@@ -141,7 +143,7 @@ def _run(label: str, result: Result, color: int, budget: int) -> tuple[dict[str,
         },
         "box": geometry.box(vehicle["J_B"]).round(6).tolist(),
         "actuators": geometry.actuators(vehicle),
-        "most_u": np.nanmax(u, axis=0, initial=0.0).tolist(),
+        "most_u": u.max(axis=0).tolist(),
         "marks": _marks(result),
         "rows": [
             {"name": name, "kind": kind, "t": [round(t, 6) for t in times], "count": count}
@@ -152,16 +154,11 @@ def _run(label: str, result: Result, color: int, budget: int) -> tuple[dict[str,
 
 
 def _marks(result: Result) -> list[dict[str, Any]]:
-    """What is marked through all panels; of counters only ticks are drawn."""
-    found = [*marks.faults(result), *marks.declared(result)]
-    found += [m for m in marks.others(result) if m.kind != "counter"]
-    kinds: dict[str, int] = {}
-    kept = []
-    for mark in found:
-        kinds[mark.kind] = kinds.get(mark.kind, 0) + 1
-        if kinds[mark.kind] <= _most_marks:
-            kept.append({"kind": mark.kind, "t": mark.t, "end": mark.end, "text": mark.text})
-    return kept
+    """What is marked through all panels: faults, and of the rest what happens seldom; the strip of ticks has all."""
+    found = [*marks.declared(result), *(m for m in marks.others(result) if m.kind != "counter")]
+    number = Counter(m.kind for m in found)
+    seldom = [m for m in found if number[m.kind] <= _most_marks]
+    return [vars(m) for m in (*marks.faults(result)[:_most_faults], *seldom)]
 
 
 def _arrows(result: Result) -> list[tuple[str, str, str, Array]]:
@@ -172,7 +169,7 @@ def _arrows(result: Result) -> list[tuple[str, str, str, Array]]:
     rate, h = (result.channels.get(name) for name in ("truth.omega_BN_B", "truth.h_w"))
     if rate is not None and h is not None:
         momentum = rate @ geometry.body_inertia(vehicle).T + h @ D.T
-        found.append(("momentum", "momentum of body and wheels", "N m s", momentum))
+        found.append(("momentum", "angular momentum", "N m s", momentum))
     delivered = result.channels.get("truth.delivered")
     if delivered is not None:
         found.append(("torque", "torque of the actuators", "N m", delivered @ D.T))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The picture of a vehicle, from what its scenario says: a box with the vehicle's inertia, actuators along their axes."""
+"""The picture of a vehicle, from what its scenario says: a box of its inertia, actuators along their axes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ def box(J_B: ArrayLike) -> Array:
     edges = np.maximum(edges / max(float(edges.max()), 1e-300), _thinnest)
     order = _nearest_axes(axes)
     signs = np.sign(axes[np.arange(3), order])
-    return axes[:, order] * np.where(signs == 0.0, 1.0, signs) * edges[order]
+    drawn: Array = axes[:, order] * np.where(signs == 0.0, 1.0, signs) * edges[order]
+    return drawn
 
 
 def _nearest_axes(axes: Array) -> list[int]:
@@ -96,4 +97,5 @@ def body_inertia(vehicle: Mapping[str, Any]) -> Array:
     """``J`` of the equation of motion: the vehicle's less what its wheels have about their axes."""
     D = np.asarray(vehicle["D_B"], dtype=float)
     axial = np.broadcast_to(np.asarray(vehicle.get("wheel_inertia", 0.0), dtype=float), D.shape[1:])
-    return matrix3(vehicle["J_B"]) - (D * axial) @ D.T
+    body: Array = matrix3(vehicle["J_B"]) - (D * axial) @ D.T
+    return body

@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from gyrostat.metrics import DEFAULT_BAND
 from gyrostat.results import Result
@@ -45,7 +45,7 @@ class Panel:
     lines: Sequence[Line]
     levels: Sequence[tuple[float, str]] = ()
     log: bool = False
-    note: str = field(default="")
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -86,20 +86,21 @@ def _numbers(x: Array) -> list[str]:
 
 
 def _overlay(
+    results: Sequence[Result],
+    needs: Sequence[str],
+    value: Callable[[Result], Array],
+    *,
     name: str,
     title: str,
     unit: str,
-    results: Sequence[Result],
-    value: Callable[[Result], Array],
-    needs: Sequence[str],
-    *,
     log: bool = False,
+    levels: Sequence[tuple[float, str]] = (),
 ) -> Panel | None:
     """One line a run."""
     lines = [
         Line("", value(r), i, run=i) for i, r in enumerate(results) if all(channel in r.channels for channel in needs)
     ]
-    return Panel(name, title, unit, lines, log=log and _has_logarithm(lines)) if lines else None
+    return Panel(name, title, unit, lines, levels, log=log and _has_logarithm(lines)) if lines else None
 
 
 def _has_logarithm(lines: Sequence[Line]) -> bool:
@@ -116,8 +117,16 @@ def _pointing(result: Result) -> Panel:
 
 
 def _pointings(results: Sequence[Result]) -> Panel | None:
-    panel = _overlay("pointing", "Pointing error", "deg", results, _error, ["error.angle"], log=True)
-    return panel and Panel(panel.name, panel.title, panel.unit, panel.lines, _band, log=panel.log)
+    return _overlay(
+        results,
+        ["error.angle"],
+        _error,
+        name="pointing",
+        title="Pointing error",
+        unit="deg",
+        log=True,
+        levels=_band,
+    )
 
 
 _band = [(math.degrees(DEFAULT_BAND), "settled below")]
@@ -128,7 +137,8 @@ def _rate(result: Result) -> Panel:
 
 
 def _rates(results: Sequence[Result]) -> Panel | None:
-    return _overlay("rate", "Size of the body rate", "rad/s", results, _norm("truth.omega_BN_B"), ["truth.omega_BN_B"])
+    channel = "truth.omega_BN_B"
+    return _overlay(results, [channel], _norm(channel), name="rate", title="Size of the body rate", unit="rad/s")
 
 
 def _norm(channel: str) -> Callable[[Result], Array]:
@@ -142,23 +152,24 @@ def _largest(channel: str) -> Callable[[Result], Array]:
 def _command(result: Result) -> Panel:
     u = result["allocation.u"]
     vehicle = result.description["vehicle"]
-    return Panel("command", "Command of each actuator", "N m", _columns(u, _numbers(u)), _limits(vehicle.get("u_max"), vehicle))
+    return Panel("command", "Command of each actuator", "N m", _columns(u, _numbers(u)), _limits(vehicle))
 
 
-def _limits(upper: ArrayLike | None, vehicle: dict[str, object]) -> list[tuple[float, str]]:
-    """Each limit that flight knows once, as levels."""
+def _limits(vehicle: Mapping[str, Any]) -> list[tuple[float, str]]:
+    """Each limit that flight knows once, as levels; without a lower limit it is the upper one mirrored."""
+    upper, lower = vehicle.get("u_max"), vehicle.get("u_min")
     found: dict[float, str] = {}
-    for key, ends, sign in (("u_max", upper, 1.0), ("u_min", vehicle.get("u_min"), 1.0), ("u_max", upper, -1.0)):
-        if ends is None or (sign < 0.0 and vehicle.get("u_min") is not None):
-            continue
-        for value in np.unique(np.asarray(ends, dtype=float)):
-            if math.isfinite(value):
-                found.setdefault(float(sign * value), key if sign > 0.0 else f"-{key}")
+    below = ("-u_max", -1.0, upper) if lower is None else ("u_min", 1.0, lower)
+    for name, sign, ends in (("u_max", 1.0, upper), below):
+        for end in [] if ends is None else np.unique(np.asarray(ends, dtype=float)):
+            if math.isfinite(end):
+                found.setdefault(float(sign * end), name)
     return sorted(found.items())
 
 
 def _commands(results: Sequence[Result]) -> Panel | None:
-    return _overlay("command", "Largest command", "N m", results, _largest("allocation.u"), ["allocation.u"])
+    channel = "allocation.u"
+    return _overlay(results, [channel], _largest(channel), name="command", title="Largest command", unit="N m")
 
 
 def _effectiveness(result: Result) -> Panel:
@@ -208,10 +219,11 @@ def _lumped(result: Result) -> Panel:
 
 def _lumpeds(results: Sequence[Result]) -> Panel | None:
     def miss(result: Result) -> Array:
-        return np.linalg.norm(result["estimate.d_B"] - result["truth.lumped_B"], axis=1)
+        size: Array = np.linalg.norm(result["estimate.d_B"] - result["truth.lumped_B"], axis=1)
+        return size
 
-    needs = ["estimate.d_B", "truth.lumped_B"]
-    return _overlay("lumped", "Error of the estimated lumped torque", "N m", results, miss, needs, log=True)
+    needs, title = ["estimate.d_B", "truth.lumped_B"], "Error of the estimated lumped torque"
+    return _overlay(results, needs, miss, name="lumped", title=title, unit="N m", log=True)
 
 
 def _momentum(result: Result) -> Panel | None:
@@ -227,14 +239,17 @@ def _momentum(result: Result) -> Panel | None:
 def _momenta(results: Sequence[Result]) -> Panel | None:
     if not any(r.channels["truth.h_w"].any() for r in results if "truth.h_w" in r.channels):
         return None
-    return _overlay("momentum", "Largest wheel momentum", "N m s", results, _largest("truth.h_w"), ["truth.h_w"])
+    channel = "truth.h_w"
+    return _overlay(
+        results, [channel], _largest(channel), name="momentum", title="Largest wheel momentum", unit="N m s"
+    )
 
 
 _kinds = (
-    _Kind("the pointing error", ("error.angle",), _pointing, _pointings),
-    _Kind("the body rate", ("truth.omega_BN_B",), _rate, _rates),
-    _Kind("the commands", ("allocation.u",), _command, _commands),
-    _Kind("the effectiveness", ("truth.effectiveness",), _effectiveness, _effectivenesses),
-    _Kind("the lumped torque", ("estimate.d_B",), _lumped, _lumpeds),
-    _Kind("the wheel momentum", ("truth.h_w",), _momentum, _momenta),
+    _Kind("pointing error", ("error.angle",), _pointing, _pointings),
+    _Kind("body rate", ("truth.omega_BN_B",), _rate, _rates),
+    _Kind("commands", ("allocation.u",), _command, _commands),
+    _Kind("effectiveness", ("truth.effectiveness",), _effectiveness, _effectivenesses),
+    _Kind("lumped torque", ("estimate.d_B",), _lumped, _lumpeds),
+    _Kind("wheel momentum", ("truth.h_w",), _momentum, _momenta),
 )

@@ -42,7 +42,8 @@ def chips(result: Result) -> str:
         parts.append(("", "pointing error", f"{shown(values['pointing_error'], 'rad')} (rms, last tenth)"))
     if values["saturated_fraction"] is not None:
         parts.append(("", "at a limit", f"{100.0 * values['saturated_fraction']:.3g} % of the time"))
-    parts.append(("", f"{len(result):,}".replace(",", " "), f"samples to {result.end_time:g} s"))
+    samples = "sample" if len(result) == 1 else "samples"
+    parts.append(("", f"{len(result):,}".replace(",", " "), f"{samples} to {result.end_time:g} s"))
     return "".join(f'<span class="chip {c}"><b>{escape(name)}</b> {escape(text)}</span>' for c, name, text in parts)
 
 
@@ -70,11 +71,12 @@ def of_runs(results: Mapping[str, Result]) -> str:
 def metric_rows(results: Mapping[str, Result]) -> list[list[str]]:
     """A table of metrics as text, a row a run; the first row names the columns."""
     names = list(UNITS)
-    rows = [["run", *(name.replace("_", " ") for name in names), "ended"]]
+    early = any(not r.completed for r in results.values())
+    rows = [["run", *(name.replace("_", " ") for name in names), *(["ended"] if early else [])]]
     for label, result in results.items():
         values = result.metrics.to_dict()
         ended = "as planned" if result.completed else f"{result.cause or result.status} ({result.end_time:g} s)"
-        rows.append([label, *(shown(values[name], UNITS[name]) for name in names), ended])
+        rows.append([label, *(shown(values[name], UNITS[name]) for name in names), *([ended] if early else [])])
     return rows
 
 

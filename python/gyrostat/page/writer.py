@@ -100,7 +100,7 @@ def show(runs: Result | Mapping[str, Result]) -> Path:
     """
     page = write_page(Path(tempfile.mkdtemp(prefix="gyrostat-")), runs)
     if not (_has_display() and _opened(page)):
-        print(page)  # noqa: T201
+        print(page)
     return page
 
 
@@ -129,12 +129,10 @@ def _page(runs: Mapping[str, Result], title: str, *, single_file: bool) -> str:
     first = results[0]
     alone = len(results) == 1
     name = title or (str(first.description.get("name") or "run") if alone else "Runs compared")
-    about = str(first.description.get("description", "")) if alone else ", ".join(runs)
+    about = str(first.description.get("description", "")) if alone else "A colour a run; click a name to hide it."
     script = "\n".join(_asset(part) for part in _scripts)
     data = json.dumps(made.data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    plotly = (
-        f"<script>{_plotly().decode()}</script>" if single_file else f'<script src="{_script_name()}"></script>'
-    )
+    plotly = f"<script>{_plotly().decode()}</script>" if single_file else f'<script src="{_script_name()}"></script>'
     return _filled(
         _asset("page.html"),
         {
@@ -170,11 +168,11 @@ def _said(made: Content, results: list[Result]) -> str:
 def _notes(results: list[Result]) -> str:
     """What is not drawn, and what to record for it."""
     absent = panels.missing(results) | (
-        {} if all("truth.q_NB" in r.channels for r in results) else {"truth.q_NB": "the body"}
+        {} if all("truth.q_NB" in r.channels for r in results) else {"truth.q_NB": "body"}
     )
     if not absent:
         return ""
-    said = "; ".join(f"{what} needs <code>{escape(channel)}</code>" for channel, what in absent.items())
+    said = ", ".join(f"<code>{escape(channel)}</code> ({what})" for channel, what in absent.items())
     whose = "" if len(results) == 1 else " of every run"
     return f'<p class="dim" id="missing">Not recorded{whose}: {said}. Name them in <code>[record] channels</code>.</p>'
 

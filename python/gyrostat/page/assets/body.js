@@ -180,5 +180,5 @@ const drawRun = (run, number, t, tile, labelled) => {
     write("xyz"[i], [end[0] + (end[0] - corner[0]) * 0.3, end[1] + (end[1] - corner[1]) * 0.3], axes[i], 10);
   });
   write("N", [corner[0] - 8, corner[1] + 10], color("dim"), 11);
-  if (labelled) write(run.label, [x0 + 10, y0 + 16], hue(run.color), 13, "left");
+  if (labelled) write(run.short, [x0 + 10, y0 + 16], hue(run.color), 13, "left");
 };

@@ -24,7 +24,15 @@ const lastUntil = (list, t) => {
   return low;
 };
 
+/// What the names of all runs begin with, up to a sign between words.
+const common = (() => {
+  const labels = data.runs.map(r => r.label);
+  let n = 0;
+  while (labels.length > 1 && labels[0][n] !== undefined && labels.every(l => l[n] === labels[0][n])) ++n;
+  return n && Math.max(...["=", "/", " "].map(sign => labels[0].lastIndexOf(sign, n - 1))) + 1;
+})();
 for (const run of data.runs) {
+  run.short = data.runs.length > 1 ? run.label.slice(common) : "";
   run.time = clockOf(run.clock);
   run.shown = true;
   const f = run.frames;

@@ -6,7 +6,6 @@ const span = (() => {
   const t0 = Math.min(...ends.map(e => e[0])), t1 = Math.max(...ends.map(e => e[1]));
   return t1 > t0 ? [t0, t1] : [t0 - 0.5, t0 + 0.5];
 })();
-const most_marks = 60;  // lines of one kind through all panels; more are only ticks of the strip
 const panels = [];
 
 const lineOf = line => {
@@ -22,15 +21,14 @@ const shown = line => data.runs[line.run].shown && !line.off;
 
 /// Bands of faults and lines of events, in the colours of the theme.
 const shapesOf = panel => {
-  const shapes = [], counts = {}, bands = [], whole = { xref: "x", yref: "paper", y0: 0, y1: 1, layer: "below" };
+  const shapes = [], bands = [], whole = { xref: "x", yref: "paper", y0: 0, y1: 1, layer: "below" };
+  const faults = data.runs.flatMap(run => run.marks).filter(mark => mark.kind === "fault").length;
   for (const run of data.runs) {
     if (!run.shown) continue;
     for (const mark of run.marks) {
-      counts[mark.kind] = (counts[mark.kind] ?? 0) + 1;
-      if (counts[mark.kind] > most_marks) continue;
             if (mark.kind === "fault") {
         bands.push([mark.t, mark.end]);
-        shapes.push({ ...whole, type: "line", x0: mark.t, x1: mark.t, line: { color: `rgb(${color("fault")})`, width: 1.2 } });
+        if (faults <= 60) shapes.push({ ...whole, type: "line", x0: mark.t, x1: mark.t, line: { color: `rgb(${color("fault")})`, width: 1.2 } });
       } else {
         shapes.push({ ...whole, type: "line", x0: mark.t, x1: mark.t, line: { color: color(mark.kind), width: 1.1, dash: "dot" } });
       }
@@ -60,7 +58,7 @@ const faultLabels = () => {
   const faults = data.runs.length > 1 ? [] : data.runs[0].marks.filter(mark => mark.kind === "fault");
   return faults.length > 8 ? [] : faults.map((mark, i) => ({
     xref: "x", x: mark.t, xanchor: "left", yref: "paper", y: 1, yanchor: "top", yshift: -12 * (i % 4), text: mark.text, showarrow: false,
-    font: { size: 10, color: `rgb(${color("fault")})` },
+    font: { size: 10, color: `rgb(${color("fault")})` }, bgcolor: color("paper"), opacity: 0.85, borderpad: 0,
   }));
 };
 
@@ -107,14 +105,15 @@ const addPanel = (panel, first) => {
       mark.className = "key";
       mark.title = "Click to hide or show";
       mark.innerHTML = `<i></i><span></span> <span></span><span class="dim"></span>`;
-      mark.children[1].textContent = [data.runs.length > 1 ? data.runs[line.run].label : "", line.label].filter(x => x).join(", ");
+      mark.children[1].textContent = [data.runs[line.run].short, line.label].filter(x => x).join(", ");
       key = { run: line.run, label: line.label, mark, color: line.color, lines: {} };
       mark.onclick = () => { for (const l of Object.values(key.lines)) l.off = !l.off; refresh(); };
-      head.append(mark);
       panel.keys.push(key);
     }
     key.lines[line.style] = line;
   }
+  panel.keys.sort((a, b) => a.run - b.run || a.color - b.color);
+  head.append(...panel.keys.map(key => key.mark));
   panels.push(panel);
 };
 
@@ -140,7 +139,7 @@ const plotPanels = () => {
       const key = document.createElement("span");
       key.className = "key";
       key.innerHTML = `<i></i><span></span>`;
-      key.lastChild.textContent = [data.runs.length > 1 ? data.runs[row.r].label : "", row.name].filter(x => x).join(", ") + (row.count > row.t.length ? ` (${row.t.length} of ${row.count} drawn)` : "");
+      key.lastChild.textContent = [data.runs[row.r].short, row.name].filter(x => x).join(", ") + (row.count > row.t.length ? ` (${row.t.length} of ${row.count} drawn)` : "");
       row.key = key;
       events.head.append(key);
     });

@@ -122,6 +122,11 @@ const wire = () => {
   }
 };
 
+const spreadOf = line => {
+  let low = Infinity, high = -Infinity;
+  for (const y of line.y) { if (y < low) low = y; if (y > high) high = y; }
+  return high >= low ? high - low : 0;
+};
 /// What the page computed about itself, for tests and for the curious.
 window.gyrostat = {
   seek, step, play, setTheme,
@@ -131,7 +136,7 @@ window.gyrostat = {
     panels: panels.map(p => ({
       name: p.name, traces: p.gd.data.length, range: p.gd._fullLayout.xaxis.range.map(Number), shapes: p.gd._fullLayout.shapes.length,
       paths: p.gd.querySelectorAll(".scatterlayer .trace").length, points: p.gd.data.reduce((n, d) => n + d.x.length, 0),
-      spread: p.lines.reduce((most, l) => Math.max(most, Math.max(...l.y.filter(y => y === y)) - Math.min(...l.y.filter(y => y === y))), 0),
+      spread: Math.max(0, ...p.lines.map(spreadOf)),
       cursor: parseFloat(p.now.style.left), keys: p.head.textContent,
     })),
   }),
