@@ -192,18 +192,25 @@ def _effectiveness(result: Result) -> Panel:
 
 
 def _effectivenesses(results: Sequence[Result]) -> Panel | None:
-    """Of every run the estimates of those actuators that ever differ from 1, and the truth."""
-    lines = []
+    """Estimates of those actuators that fail or are taken for failed; a truth that runs share is drawn once."""
+    lines: list[Line] = []
     for k, result in enumerate(results):
-        for channel, style in _sides:
-            x = result.channels.get(channel)
-            if x is not None:
-                moved = [i for i in range(x.shape[1]) if np.any(x[:, i] != 1.0)]
-                lines += [Line(f"actuator {i}", x[:, i], k, style, k) for i in moved]
-    return Panel("effectiveness", "Effectiveness that differs from 1", "", lines) if lines else None
+        true, estimate = (result.channels.get(f"{group}.effectiveness") for group in ("truth", "estimate"))
+        for i in _affected(true, estimate):
+            if true is not None and not any(
+                line.style == "true" and np.array_equal(line.x, true[:, i]) for line in lines
+            ):
+                lines.append(Line(f"actuator {i}", true[:, i], k, "true", k))
+            if estimate is not None and np.any(estimate != 1.0):
+                lines.append(Line(f"actuator {i}", estimate[:, i], k, "solid", k))
+    return Panel("effectiveness", "Effectiveness where it differs from 1", "", lines) if lines else None
 
 
-_sides: tuple[tuple[str, Style], ...] = (("truth.effectiveness", "true"), ("estimate.effectiveness", "solid"))
+def _affected(true: Array | None, estimate: Array | None) -> list[int]:
+    """Actuators that lose something, or of which the estimate says so by more than a tenth."""
+    found = set() if true is None else set(np.flatnonzero(np.any(true != 1.0, axis=0)))
+    found |= set() if estimate is None else set(np.flatnonzero(np.any(np.abs(estimate - 1.0) > 0.1, axis=0)))
+    return sorted(int(i) for i in found)
 
 
 def _lumped(result: Result) -> Panel:
