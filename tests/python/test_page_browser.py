@@ -83,7 +83,9 @@ class Page:
     def colors(self) -> int:
         """Different colours in the picture of the body."""
         return self.run(
-            "const c = document.getElementById('body'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height);"
+            "const b = document.getElementById('body'), c = new OffscreenCanvas(b.width, b.height),"
+            " pen = c.getContext('2d', { willReadFrequently: true }); pen.drawImage(b, 0, 0);"
+            "const d = pen.getImageData(0, 0, c.width, c.height);"
             "return new Set(new Uint32Array(d.data.buffer)).size"
         )
 
@@ -302,10 +304,10 @@ def case(name: str) -> gs.Result:
         flown = case("ftc_4rw")
         return dataclasses.replace(flown, t=flown.t[:1], channels={k: x[:1] for k, x in flown.channels.items()})
     if name == "early":
-        scenario = gs.Scenario.load("cao2023/printed").replace(
-            **{"initial.euler": [0.1, 1.5, 0.1], "vehicle.u_max": 1e-9}
-        )
-        return scenario.run(channels=page.channels(scenario))
+        # a rate of 1e3 rad/s held by an integrator that takes one step a sample ends in infinities
+        fast = {"initial.omega_BN_B": [1e3, 1e3, 1e3], "integrator": {"type": "rk4"}, "dt": 1.0}
+        flown = gs.Scenario.load("ftc_4rw").replace(**fast)
+        return flown.run(channels=page.channels(flown))
     if name == "usual":
         return gs.Scenario.load("wheel2_degraded").run()
     scenario = gs.Scenario.load(name)
@@ -315,13 +317,8 @@ def case(name: str) -> gs.Result:
 @pytest.mark.parametrize(
     "name",
     [
-        "ftc_4rw",
-        "li2018/table2",
         "cao2022/attitude",
         "cao2023/printed",
-        "cao2023/nozzles",
-        "wang2023/stabilisation",
-        "yang2023/maneuver",
         "yang2023/bench_a",
         "sixteen",
         "busy",
@@ -336,8 +333,12 @@ def test_every_kind_of_run_has_a_page(driver: webdriver.Chrome, name: str, tmp_p
     faults = [f for f in result.description.get("faults", []) if f.get("t_on", 0.0) <= result.end_time]
     assert report["runs"][0]["faults"] == len(faults)
     assert {"pointing", "rate", "command", "effectiveness", "lumped"} <= set(found)
-    for panel in ("pointing", "rate", "command"):
-        assert found[panel]["spread"] > 0.0 or np.ptp(result["allocation.u"]) == 0.0
+    for panel, x in (
+        ("pointing", np.degrees(result["error.angle"])),
+        ("rate", result["truth.omega_BN_B"]),
+        ("command", result["allocation.u"]),
+    ):
+        assert found[panel]["spread"] == pytest.approx(float(np.ptp(x, axis=0).max()), rel=1e-6)
         assert found[panel]["paths"] == found[panel]["traces"] > 0
     assert sum(p["points"] for p in found.values()) < 60_000  # the browser stays quick
     for step in (0, report["frames"] // 2, report["frames"]):

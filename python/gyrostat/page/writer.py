@@ -130,7 +130,7 @@ def _page(runs: Mapping[str, Result], title: str, *, single_file: bool) -> str:
     alone = len(results) == 1
     name = title or (str(first.description.get("name") or "run") if alone else "Runs compared")
     about = str(first.description.get("description", "")) if alone else "A colour a run; click a name to hide it."
-    script = "\n".join(_asset(part) for part in _scripts)
+    script = "\n".join(_asset(part) for part in _scripts).replace("{{plotly_file}}", _script_name())
     data = json.dumps(made.data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     plotly = f"<script>{_plotly().decode()}</script>" if single_file else f'<script src="{_script_name()}"></script>'
     return _filled(
@@ -147,7 +147,6 @@ def _page(runs: Mapping[str, Result], title: str, *, single_file: bool) -> str:
             "notes": _notes(results),
             "data": data,
             "plotly": plotly,
-            "plotly_file": _script_name(),
             "script": script,
         },
     )

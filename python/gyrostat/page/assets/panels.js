@@ -130,6 +130,10 @@ const tracesOf = panel => panel.rows ? panel.rows.map((row, i) => ({
 })) : panel.lines.map(lineOf);
 
 const plotPanels = () => {
+  if (typeof Plotly === "undefined") {
+    element("panels").textContent = "{{plotly_file}} is missing beside this page: the plots need it.";
+    return;
+  }
   const events = strip();
   data.panels.forEach((panel, i) => addPanel(panel, i === 0));
   if (events.rows.length) {
