@@ -40,7 +40,7 @@ asan-python: debian-test $(VENV)/venv.stamp  ## the compiled Python module under
 	@$(STEP) build-asan-python cmake --build --preset asan-python
 	@$(STEP) asan-python scripts/sanitized $(BIN)/python tests/sanitized/bindings.py build/asan-python/bindings
 
-python: debian-run $(VENV)/package.stamp $(VENV)/test.stamp  ## Python tests, types and stubs
+python: debian-test $(VENV)/package.stamp $(VENV)/test.stamp  ## Python tests, types and stubs
 	@$(STEP) pytest $(BIN)/pytest -n auto --dist loadfile
 	@$(STEP) mypy $(BIN)/mypy
 	@$(STEP) stubs scripts/stubs $(BIN) --check
@@ -96,7 +96,7 @@ debian-run:
 	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev
 
 debian-test:
-	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev libgtest-dev libgmock-dev
+	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev libgtest-dev libgmock-dev chromium chromium-driver
 
 debian-fuzz: debian-run
 	@scripts/debian_packages clang libclang-rt-dev libomp-dev

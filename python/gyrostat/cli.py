@@ -47,6 +47,7 @@ Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, e.g. `observer.lambda1=2`. Repeatable."),
 ]
+SingleFile = Annotated[bool, typer.Option("--single-file", help="Put all scripts into the page (5 MB).")]
 
 
 class _Interrupted(BaseException):
@@ -160,12 +161,17 @@ def run(
     scenario: ScenarioName,
     settings: Settings = None,
     out: Annotated[
-        Path | None, typer.Option(help="Save: `run.npz` for the data, a folder for data, figure and scenario.")
+        Path | None,
+        typer.Option(
+            help="Save: `run.npz` for the data, a folder for data, scenario, figure and a page (`index.html`)."
+        ),
     ] = None,
+    *,
     every: Annotated[int | None, typer.Option(min=1, help="Record every so many samples.")] = None,
+    single_file: SingleFile = False,
     as_json: Json = False,
 ) -> None:
-    """Fly a scenario and say how it went.
+    """Fly a scenario and say how it went; `--out FOLDER` leaves a page that re-plays it.
 
     A run that ends early (singularity, non-finite state, failed integration) is saved up to there; exit status 3.
 
@@ -174,9 +180,9 @@ def run(
     flown = _scenario(scenario, settings)
     with _target(out):
         with _progress(f"flying {scenario}") as progress:
-            result = flown.run(every=every, progress=progress)
+            result = flown.run(channels=_recorded(flown, out), every=every, progress=progress)
         if out is not None:
-            _save(result, out)
+            _save(result, out, single_file=single_file)
     if as_json:
         _print_json(
             {
@@ -196,6 +202,80 @@ def run(
         typer.echo("; ".join([_summary(result), *flown.remarks()]))
     if not result.completed:
         raise typer.Exit(_complain(f"the run ended at {result.end_time:g} s: {result.cause or result.status}", 3))
+
+
+@app.command()
+def compare(
+    names: Annotated[
+        list[str], typer.Argument(metavar="RUN...", help="Scenarios, saved results (`run.npz`), or folders of `--out`.")
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY=A,B,...", help="Fly one scenario with each of these values. Repeatable: all pairs."),
+    ] = None,
+    settings: Settings = None,
+    *,
+    out: Annotated[
+        Path | None, typer.Option(help="A folder, or a file `.html`, for a page that lays the runs over each other.")
+    ] = None,
+    every: Annotated[int | None, typer.Option(min=1, help="Record every so many samples.")] = None,
+    single_file: SingleFile = False,
+    as_json: Json = False,
+) -> None:
+    """Fly several scenarios, or one with several values, and print their metrics beside each other.
+
+    Runs that end early are compared up to there; exit status 3.
+
+    Examples: `gyrostat compare wheel2_degraded --vary controller=mrp_feedback,integral_sliding_mode --out page`,
+    `gyrostat compare before.npz after.npz`
+    """
+    from gyrostat import comparison, page
+
+    with nullcontext() if out is None else made_folder(page.page_path(out).parent):
+        with _progress(f"comparing {', '.join(names)}") as progress:
+            runs = comparison.fly(_compared(names, vary, settings), every=every, progress=progress)
+        written = None if out is None else page.write_page(out, runs, single_file=single_file)
+    if as_json:
+        rows = [
+            {
+                "run": label,
+                "status": r.status,
+                "cause": r.cause,
+                "end_time": r.end_time,
+                "metrics": r.metrics.to_dict(),
+            }
+            for label, r in runs.items()
+        ]
+        _print_json({"runs": rows, "out": None if written is None else str(written)})
+    else:
+        _print_columns(comparison.metric_rows(runs))
+        if written is not None:
+            typer.echo(f"page: {written}")
+    early = {label: r for label, r in runs.items() if not r.completed}
+    if early:
+        label, result = next(iter(early.items()))
+        raise typer.Exit(_complain(f"{label} ended at {result.end_time:g} s: {result.cause or result.status}", 3))
+
+
+def _compared(
+    names: Sequence[str], vary: Sequence[str] | None, settings: Sequence[str] | None
+) -> dict[str, Scenario | Result]:
+    """What `compare` holds against each other, flown or to be flown."""
+    from gyrostat import comparison
+
+    changes = _changes(settings)
+    runs = comparison.load(names)
+    for label, run in runs.items():
+        if (changes or vary) and not isinstance(run, Scenario):
+            raise InputError(f"{label}: is a saved result; --set and --vary change scenarios")
+    given = {k: r.replace(**changes) if changes and isinstance(r, Scenario) else r for k, r in runs.items()}
+    if not vary:
+        return given
+    if len(given) != 1:
+        raise InputError(f"--vary: takes one scenario, not {len(given)}")
+    (only,) = given.values()
+    assert isinstance(only, Scenario)  # refused above
+    return dict(comparison.variants(only, dict(comparison.read_variation(text) for text in vary)))
 
 
 @app.command()
@@ -461,11 +541,24 @@ def _target(out: Path | None) -> Iterator[None]:
     if out.suffix not in ("", ".npz"):
         raise InputError(f"--out {out}: a file ends in .npz; a name without ending is a folder")
     checked_target(out if out.suffix else out / "overview.npz")
+    if not out.suffix:
+        from gyrostat.page import page_path
+
+        page_path(out)
     with made_folder(out.parent if out.suffix else out):
         yield
 
 
-def _save(result: Result, out: Path) -> None:
+def _recorded(scenario: Scenario, out: Path | None) -> list[str] | None:
+    """Channels of a run; a folder gets a page, which shows more than is usually recorded."""
+    if out is None or out.suffix:
+        return None
+    from gyrostat.page import channels
+
+    return channels(scenario)
+
+
+def _save(result: Result, out: Path, *, single_file: bool) -> None:
     if out.suffix:
         result.save(out)
         return
@@ -474,6 +567,7 @@ def _save(result: Result, out: Path) -> None:
         result.scenario.to_toml(out / "scenario.toml")
     if len(result) > 1:
         result.plot().save(out / "overview.png")
+    result.to_html(out, single_file=single_file)
 
 
 def _summary(result: Result) -> str:

@@ -91,7 +91,7 @@ class Metrics:
 
     def to_dict(self) -> dict[str, float | None]:
         """All of them by name; None where a channel was not recorded or the value is not finite."""
-        return {name: self._value(name) for name in _names}
+        return {name: self._value(name) for name in UNITS}
 
     def __repr__(self) -> str:
         return "\n".join(f"{name:24} {value}" for name, value in self.to_dict().items())
@@ -104,17 +104,19 @@ class Metrics:
         return value if math.isfinite(value) else None
 
 
-_names = (
-    "settling_time",
-    "pointing_error",
-    "final_error",
-    "peak_error_after_fault",
-    "energy",
-    "command_variation",
-    "saturated_fraction",
-)
+UNITS = {
+    "settling_time": "s",
+    "pointing_error": "rad",
+    "final_error": "rad",
+    "peak_error_after_fault": "rad",
+    "energy": "N^2 m^2 s",
+    "command_variation": "N m/s",
+    "saturated_fraction": "",
+}
+"""Unit of each metric that needs no arguments."""
 
 __all__ = [
+    "UNITS",
     "Metrics",
     "energy",
     "first_reach",

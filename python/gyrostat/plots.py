@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from gyrostat.errors import InputError
 from gyrostat.files import replacing
 from gyrostat.text import printable
+from gyrostat.thinning import min_max
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
@@ -204,16 +205,9 @@ def _plain(text: str) -> str:
 
 
 def thin(t: NDArray[np.float64], x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Few points that draw the same picture: the smallest and largest of each stretch, in order of time."""
-    stretch = len(t) // (_max_drawn // 2)
-    if stretch < 2:
-        return t, x
-    whole = len(t) // stretch * stretch
-    rows = x[:whole].reshape(-1, stretch)
-    filled = np.where(np.isnan(rows), 0.0, rows)
-    start = np.arange(len(rows)) * stretch
-    picked = np.unique(np.concatenate([start + filled.argmin(1), start + filled.argmax(1), [len(t) - 1]]))
-    return t[picked], x[picked]
+    """Few points that draw the same picture."""
+    kept = min_max(x, 2 * len(t) // _max_drawn)
+    return t[kept], x[kept]
 
 
 def fault_marks(result: Result) -> list[tuple[float, str]]:

@@ -217,6 +217,36 @@ class Result:
 
         return plots.overview(self)
 
+    def to_html(self, path: str | Path, *, single_file: bool = False) -> Path:
+        """Write a page that re-plays the run in a browser, from a file and without a network.
+
+        Parameters
+        ----------
+        path
+            A file that ends in ``.html``, or a folder for ``index.html``. The script of plotly is put beside it.
+        single_file
+            Put that script (5 MB) into the page.
+
+        Returns
+        -------
+        Path
+            The page.
+
+        Raises
+        ------
+        InputError
+            Nothing that a page shows was recorded (the message says what to record), or something else is there.
+        """
+        from gyrostat.page import write_page
+
+        return write_page(path, self, single_file=single_file)
+
+    def show(self) -> Path:
+        """Open the page of the run in the browser; where there is none, print where it is."""
+        from gyrostat.page import show
+
+        return show(self)
+
 
 def _rank(group: str) -> tuple[int, str]:
     return (_groups.index(group) if group in _groups else len(_groups), group)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ def printed(*arguments: str) -> Any:
 
 def test_help_teaches_with_examples() -> None:
     assert "gyrostat run wheel2_degraded" in gyrostat("--help").stdout
-    for command in ("list", "describe", "run", "reproduce", "check", "design", "export", "schema"):
+    for command in ("list", "describe", "run", "compare", "reproduce", "check", "design", "export", "schema"):
         done = gyrostat(command, "--help")
         assert done.returncode == 0
         assert "Example" in done.stdout, command
@@ -82,12 +83,27 @@ def test_run_saves_data_or_a_folder(tmp_path: Path) -> None:
     assert gs.Result.load(tmp_path / "new" / "run.npz").end_time == 3.0
     assert gyrostat("run", "ftc_4rw", *SHORT, "--out", str(tmp_path / "folder")).returncode == 0
     assert sorted(p.name for p in (tmp_path / "folder").iterdir()) == [
+        "index.html",
         "overview.npz",
         "overview.png",
+        f"plotly-{version('plotly')}.min.js",
         "result.npz",
         "scenario.toml",
     ]
     assert gs.Scenario.from_toml(tmp_path / "folder" / "scenario.toml").duration == 3.0
+
+
+def test_a_folder_with_another_page_is_refused_before_the_run(tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text("mine")
+    done = gyrostat("run", "ftc_4rw", *SHORT, "--out", str(tmp_path))
+    assert done.returncode == 2
+    assert "is not a page of gyrostat; choose another folder" in done.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["index.html"]
+
+
+def test_the_module_runs_as_the_command() -> None:
+    done = subprocess.run([sys.executable, "-m", "gyrostat", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{_core.__version__}\n"
 
 
 def test_set_takes_numbers_words_and_lists() -> None:

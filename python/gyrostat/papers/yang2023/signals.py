@@ -215,7 +215,9 @@ def gain_law(
     dt = float(result.description["dt"])
     expected = np.array([k1[0], k2[0], k4[0]])
     worst = 0.0
-    for m, found in zip(np.linalg.norm(result["observer.error"], axis=1)[1:], result["observer.gains"][1:], strict=True):
+    for m, found in zip(
+        np.linalg.norm(result["observer.error"], axis=1)[1:], result["observer.gains"][1:], strict=True
+    ):
         for i, (first, largest, rate) in ((0, k1), (2, k4)):
             grown = expected[i] + dt * (rate * m if m > deadzone else -leak * (expected[i] - first))
             expected[i] = min(grown, largest)
