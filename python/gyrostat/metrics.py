@@ -94,6 +94,12 @@ class Metrics:
         used = np.where(u > 0.0, u / np.where(upper == 0.0, np.inf, upper), u / np.where(lower == 0.0, np.inf, lower))
         return fraction_at_least(t, used, 1.0, t[0], t[-1])
 
+    @property
+    def held_fraction(self) -> float:
+        """Fraction of samples at which the guard replaced an input or issued the previous command again."""
+        statistics = self._result.statistics
+        return float(statistics["held_samples"]) / float(statistics["samples"])
+
     def to_dict(self) -> dict[str, float | None]:
         """All of them by name; None where a channel was not recorded or the value is not finite."""
         return {name: self._value(name) for name in _names}
@@ -117,6 +123,7 @@ _names = (
     "energy",
     "command_variation",
     "saturated_fraction",
+    "held_fraction",
 )
 
 __all__ = [
