@@ -96,6 +96,13 @@ void bind_signals(py::module_& m) {
   def_vector(y, "omega_BN_B", &Measurement<double>::omega_BN_B, "(3,) rad/s");
   def_per_actuator(y, "h_w", &Measurement<double>::h_w, "(n,) N m s");
   y.def_readonly("euler", &Measurement<double>::euler);
+  y.def_readwrite("attitude_valid", &Measurement<double>::attitude_valid,
+                  "False: q_NB was not measured at this sample but carried on by the model");
+  y.def_readwrite("rate_valid", &Measurement<double>::rate_valid,
+                  "False: omega_BN_B was not measured at this sample but carried on by the model");
+  y.def_readwrite("momentum_valid", &Measurement<double>::momentum_valid,
+                  "False: h_w was not measured at this sample but carried on by the model");
+  y.def_readonly("event", &Measurement<double>::event, "counts jumps that no motion explains");
 
   py::class_<Reference<double>> ref(m, "Reference", "What the vehicle should do.");
   def_quat(ref, "q_NR", &Reference<double>::q_NR, "(4,) scalar first");
@@ -117,6 +124,7 @@ void bind_signals(py::module_& m) {
   def_per_actuator(x, "effectiveness_bound", &Estimate<double>::effectiveness_bound,
                    "(n,) relative half-width; inf: never excited");
   def_vector(x, "d_B", &Estimate<double>::d_B, "(3,) N m, what effectiveness does not explain");
+  x.def_readonly("event", &Estimate<double>::event, "of the measurement: counts jumps that no motion explains");
 
   py::class_<Detection<double>> det(m, "Detection", "Detector to controller and allocator.");
   det.def_static("none", &Detection<double>::none, "vehicle"_a,

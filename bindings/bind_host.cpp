@@ -94,7 +94,7 @@ py::array_t<double> array_of(std::vector<double>&& data, std::vector<py::ssize_t
 }
 
 const char* end_name(host::RunEnd::Code code) {
-  static constexpr const char* names[] = {"completed", "singular", "non_finite", "integration_failed"};
+  static constexpr const char* names[] = {"completed", "singular", "non_finite", "integration_failed", "no_command"};
   return names[static_cast<int>(code)];
 }
 
@@ -135,7 +135,8 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
                   "end_time"_a = result.end.time,
                   "statistics"_a = py::dict("steps"_a = result.statistics.steps,
                                             "rhs_evaluations"_a = result.statistics.rhs_evaluations,
-                                            "restarts"_a = result.statistics.restarts));
+                                            "restarts"_a = result.statistics.restarts, "samples"_a = result.end.samples,
+                                            "held_samples"_a = result.end.held));
 }
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;

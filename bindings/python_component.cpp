@@ -48,6 +48,14 @@ void copy_numbers(const py::object& from, Eigen::Index n, Vector& out, const std
   for (Eigen::Index i = 0; i < n; ++i) out[i] = array.data()[i];
 }
 
+/// An attribute of the wrong length is the component's mistake, said with its name and both numbers.
+template <class Vector>
+void check_size(const Vector& v, Eigen::Index n, const std::string& who, const char* name, bool may_be_empty = false) {
+  if (v.size() == n || (may_be_empty && v.size() == 0)) return;
+  throw std::invalid_argument(who + " returned " + std::to_string(v.size()) + " numbers as " + name + "; " +
+                              std::to_string(n) + " belong there, one an actuator" + (may_be_empty ? ", or none" : ""));
+}
+
 /// Common half: the object, its `setup`, and whether it has a `start` of its own.
 template <class Base>
 class PythonModel : public Base {
@@ -73,7 +81,8 @@ class PythonModel : public Base {
 
 class PythonObserver final : public PythonModel<host::ObserverBase> {
  public:
-  using PythonModel::PythonModel;
+  PythonObserver(const py::object& object, const Setup<double>& setup, const char* role)
+      : PythonModel(object, setup, role), skip_(py::hasattr(object, "skip") ? hold(object.attr("skip")) : nullptr) {}
   Estimate<double> start(const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result((*start_)(y), y) : result((*step_)(y, Allocation<double>::idle(actuators())), y);
@@ -81,6 +90,10 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return result((*step_)(y, last), y);
+  }
+  Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) final {
+    const py::gil_scoped_acquire gil;
+    return result((skip_ ? *skip_ : *step_)(y, last), y);
   }
 
  private:
@@ -90,13 +103,14 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
                                   "; an Estimate belongs there (Estimate.healthy(y) makes one)");
     }
     Estimate<double> x = py::cast<Estimate<double>>(out);
-    if (x.effectiveness.size() != actuators() || x.effectiveness_bound.size() != actuators()) {
-      throw std::invalid_argument(who_ + " returned an effectiveness of " + std::to_string(x.effectiveness.size()) +
-                                  " numbers; the vehicle has " + std::to_string(actuators()) + " actuators");
-    }
+    check_size(x.h_w, actuators(), who_, "h_w");
+    check_size(x.effectiveness, actuators(), who_, "effectiveness");
+    check_size(x.effectiveness_bound, actuators(), who_, "effectiveness_bound");
     x.tick = y.tick;
     return x;
   }
+
+  Held skip_;
 };
 
 class PythonDetector final : public PythonModel<host::DetectorBase> {
@@ -115,9 +129,8 @@ class PythonDetector final : public PythonModel<host::DetectorBase> {
   Detection<double> result(const py::object& out) const {
     if (!py::isinstance<Detection<double>>(out))
       throw std::invalid_argument(who_ + " returned a " + class_name(out) + "; a Detection belongs there");
-    Detection<double> det = py::cast<Detection<double>>(out);
-    if (det.u_probe.size() != 0 && det.u_probe.size() != actuators())
-      throw std::invalid_argument(who_ + " returned a u_probe of the wrong length");
+    const Detection<double> det = py::cast<Detection<double>>(out);
+    check_size(det.u_probe, actuators(), who_, "u_probe", true);
     return det;
   }
 };
@@ -140,8 +153,7 @@ class PythonController final : public PythonModel<host::ControllerBase> {
     Demand<double> demand;
     if (py::isinstance<Demand<double>>(out)) {
       demand = py::cast<Demand<double>>(out);
-      if (demand.u_pref.size() != 0 && demand.u_pref.size() != actuators())
-        throw std::invalid_argument(who_ + " returned a u_pref of the wrong length");
+      check_size(demand.u_pref, actuators(), who_, "u_pref", true);
     } else {
       copy_numbers(out, 3, demand.tau_B, who_);
     }
@@ -164,8 +176,8 @@ class PythonAllocator final : public PythonModel<host::AllocatorBase> {
     const py::gil_scoped_acquire gil;
     const py::object out = (*step_)(demand, x, det);
     if (py::isinstance<Allocation<double>>(out)) {
-      Allocation<double> a = py::cast<Allocation<double>>(out);
-      if (a.u.size() != actuators()) throw std::invalid_argument(who_ + " returned a u of the wrong length");
+      const Allocation<double> a = py::cast<Allocation<double>>(out);
+      check_size(a.u, actuators(), who_, "u");
       return a;
     }
     Allocation<double> a;

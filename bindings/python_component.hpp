@@ -3,8 +3,9 @@
 ///        exception raised there ends the run and reaches the caller unchanged.
 ///
 /// An object has `step(...)` with the arguments of its role, and may have `setup(setup)`, called once before the run,
-/// `start(...)`, called at the first sample instead of `step`, and `reset()` (allocators). An object flies one run: who
-/// flies several copies it (Scenario.run does). Docs: docs/extending.md
+/// `start(...)`, called at the first sample instead of `step`, `skip(y, last)` (observers), called instead of `step` for an
+/// interval that taught nothing, and `reset()` (allocators). An object flies one run: who flies several copies it
+/// (Scenario.run does). Docs: docs/extending.md
 #pragma once
 #include <pybind11/pybind11.h>
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The command ``gyrostat``. Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early."""
+"""The command ``gyrostat``. Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early
+or flew without a command."""
 
 from __future__ import annotations
 
@@ -173,7 +174,8 @@ def run(
 ) -> None:
     """Fly a scenario and say how it went; `--out FOLDER` leaves a page that re-plays it.
 
-    A run that ends early (singularity, non-finite state, failed integration) is saved up to there; exit status 3.
+    A run that ends early (singularity, non-finite state, failed integration) is saved up to there; exit status 3, and also
+    where the stack never issued a command of its own.
 
     Examples: `gyrostat run wheel2_degraded`, `gyrostat run my.toml --set observer.lambda1=2 --out run.npz`
     """
@@ -201,7 +203,8 @@ def run(
     else:
         typer.echo("; ".join([_summary(result), *flown.remarks()]))
     if not result.completed:
-        raise typer.Exit(_complain(f"the run ended at {result.end_time:g} s: {result.cause or result.status}", 3))
+        ended = "" if result.status == "no_command" else f"the run ended at {result.end_time:g} s: "
+        raise typer.Exit(_complain(f"{ended}{result.cause or result.status}", 3))
 
 
 @app.command()
@@ -581,6 +584,7 @@ def _summary(result: Result) -> str:
         parts.append(f"pointing error {math.degrees(values['pointing_error']):.3g} deg (rms, last tenth)")
     if values["saturated_fraction"] is not None:
         parts.append(f"at a limit {100 * values['saturated_fraction']:.3g} % of the time")
+    parts += _guarded(result)
     if "estimate.effectiveness" in result.channels and "truth.effectiveness" in result.channels:
         estimated, true = result["estimate.effectiveness"][-1], result["truth.effectiveness"][-1]
         parts += [
@@ -591,6 +595,22 @@ def _summary(result: Result) -> str:
     if "detector.declared" in result.channels:
         parts += _declared(result)
     return "; ".join(parts) or f"{len(result)} samples to {result.end_time:g} s"
+
+
+def _guarded(result: Result) -> list[str]:
+    """What the guard had to do, from when on, and how often."""
+    done = [e for e in result.events if e.name.startswith("guard.")]
+    samples = max(int(result.statistics.get("samples", len(result))), 1)
+    return [
+        f"{e.name.removeprefix('guard.')} {_guard_words[e.name]} at {100 * e.count / samples:.3g} % of the samples, first at "
+        f"{e.t:g} s"
+        for e in done
+    ]
+
+
+_guard_words = {f"guard.{name}": "not measured" for name in ("attitude", "rate", "momentum")}
+_guard_words |= {f"guard.{name}": "started again" for name in ("observer", "detector", "controller", "allocator")}
+_guard_words |= {"guard.reference": "held", "guard.command": "held"}
 
 
 def _declared(result: Result) -> list[str]:

@@ -89,6 +89,12 @@ class Metrics:
         t = self._result.t
         return fraction_at_least(t, self._result["allocation.saturated"], 1.0, t[0], t[-1])
 
+    @property
+    def held_fraction(self) -> float:
+        """Fraction of samples at which the guard replaced an input or issued the previous command again."""
+        statistics = self._result.statistics
+        return float(statistics["held_samples"]) / float(statistics["samples"])
+
     def to_dict(self) -> dict[str, float | None]:
         """All of them by name; None where a channel was not recorded or the value is not finite."""
         return {name: self._value(name) for name in UNITS}
@@ -112,6 +118,7 @@ UNITS = {
     "energy": "N^2 m^2 s",
     "command_variation": "N m/s",
     "saturated_fraction": "",
+    "held_fraction": "",
 }
 """Unit of each metric that needs no arguments."""
 

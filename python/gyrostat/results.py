@@ -31,7 +31,11 @@ _groups = ("truth", "allocation", "estimate", "error", "detection", "reference",
 
 @dataclass(frozen=True)
 class Event:
-    """A counter that moved: which, when, and its value from then on."""
+    """A counter that moved: which, when, and its value from then on.
+
+    Of what the guard did (``guard.rate``, ``guard.controller``, ...) there is one event: the first time, and at how many
+    samples in all.
+    """
 
     t: float
     name: str
@@ -55,13 +59,14 @@ class Result:
     events: tuple[Event, ...] = ()
     """Arms, breaches, switches, ... with their times."""
     status: str = "completed"
-    """``completed``, ``singular``, ``non_finite`` or ``integration_failed``."""
+    """``completed``, ``singular``, ``non_finite``, ``integration_failed``, or ``no_command``: the duration was reached, but the
+    stack never issued a command of its own."""
     cause: str = ""
-    """Why it ended early, with the time; "" when it did not."""
+    """Why it is not ``completed``; "" when it is."""
     end_time: float = 0.0
     """Last instant reached, s."""
     statistics: Mapping[str, Any] = field(default_factory=dict)
-    """Work of the integrator: steps, evaluations, restarts."""
+    """Work of the integrator: steps, evaluations, restarts; samples flown, and those at which the guard held something."""
     meta: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Unit, meaning and dimension of each channel."""
     components: Mapping[str, Any] = field(default_factory=dict)
@@ -97,7 +102,7 @@ class Result:
 
     @property
     def completed(self) -> bool:
-        """Whether the run reached its duration."""
+        """Whether the run reached its duration, and the stack flew."""
         return self.status == "completed"
 
     def full_name(self, name: str) -> str:

@@ -49,8 +49,8 @@ struct EulerState {
 
 /// What went wrong or was limited; a set of bits, so that several can hold at once. 0: nothing to report.
 enum class Flag : std::uint16_t {
-  input_held = 1,       ///< a non-finite input was replaced by the last valid one
-  component_reset = 2,  ///< a non-finite output: its component was started again
+  input_held = 1,       ///< an input was invalid: attitude and rate were carried on, others are the last valid ones
+  component_reset = 2,  ///< an output that cannot be: its component was started again
   command_held = 4,     ///< the previous command was issued again
   demand_not_met = 8,   ///< the allocator could not deliver the demanded torque
   cap_reached = 16,     ///< an iteration limit ended a solve: best so far was used
@@ -79,15 +79,17 @@ class Flags {
   std::uint16_t bits_ = 0;
 };
 
-/// sensors -> observer
+/// sensors -> observer. What is not valid was not measured at this sample: the stack replaces it, and keeps the bit.
 template <class S>
 struct Measurement {
   Tick tick = 0;
   Quat<S> q_NB = Quat<S>::Identity();    ///< sign continuous from the initial state
   Vec3<S> omega_BN_B = Vec3<S>::Zero();  ///< rad/s
   VecN<S> h_w;                           ///< N m s, one an actuator; zero for ideal torquers
-  EulerState<S> euler;
-  bool attitude_valid = true, rate_valid = true;
+  EulerState<S>
+      euler;  ///< the state in euler_angles coordinates, where it shares the validity of q_NB; else for the curious
+  bool attitude_valid = true, rate_valid = true, momentum_valid = true;
+  std::uint32_t event = 0;  ///< counts jumps that no motion explains; the stack sets it
 };
 
 /// -> controller
@@ -112,6 +114,7 @@ struct Estimate {
   VecN<S> effectiveness;          ///< delivered / commanded, one an actuator
   VecN<S> effectiveness_bound;    ///< relative half-width; infinity: never excited
   Vec3<S> d_B = Vec3<S>::Zero();  ///< N m, what effectiveness does not explain
+  std::uint32_t event = 0;        ///< of the measurement: counts jumps of the state that no motion explains
   Flags status;
 
   /// Measured state, healthy actuators of unknown certainty, no disturbance: what an observer does not estimate stays so.
@@ -123,6 +126,7 @@ struct Estimate {
     x.omega_BN_B = y.omega_BN_B;
     x.h_w = y.h_w;
     x.euler = y.euler;
+    x.event = y.event;
     x.effectiveness = VecN<S>::Ones(n);
     x.effectiveness_bound = VecN<S>::Constant(n, std::numeric_limits<S>::infinity());
     return x;

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// @file  An observer with its detector: the half of the stack that may also run beside the loop (shadow pairs).
 #pragma once
-#include <algorithm>
-
 #include "gyrostat/core/concepts.hpp"
 #include "gyrostat/flight/guard.hpp"
 
 namespace gyrostat {
 
-/// Steps observer and detector in order. An output that is not finite restarts its component, and so does a torque d_B that
-/// nothing on this vehicle could make; `step` then says so with Flag::component_reset in the estimate's status.
+/// Steps observer and detector in order. An interval at whose ends rate and wheel momentum were not both measured, or between
+/// which no motion leads, teaches nothing: the observer skips it. An impossible output restarts its component; `step` then says
+/// so with Flag::component_reset in the estimate's status.
 template <Observer O, Detector D>
 class Estimator {
  public:
@@ -19,55 +18,62 @@ class Estimator {
                                        noexcept(std::declval<D&>().step(std::declval<const Estimate<Scalar>&>(),
                                                                         std::declval<const Allocation<Scalar>&>()));
 
-  Estimator(const Vehicle<Scalar>& vehicle, O o, D d)
-      : observer(std::move(o)), detector(std::move(d)), vehicle_(vehicle) {
-    for (int i = 0; i < vehicle.actuators(); ++i)
-      d_max_ += Scalar(1000) * vehicle.D_B.col(i).norm() * std::max(-vehicle.u_lo[i], vehicle.u_up[i]);
-  }
+  Estimator(const Setup<Scalar>& setup, O o, D d) : observer(std::move(o)), detector(std::move(d)), guard_(setup) {}
 
   void start(const Measurement<Scalar>& y) noexcept(cannot_throw) {
+    actions_ = {};
     x_ = observer.start(y);
-    if (!believable(x_)) healthy_instead(y);
+    if (!guard_.possible(x_)) healthy_instead(y);
+    x_.event = event_ = y.event;
+    measured_ = y.rate_valid && y.momentum_valid;
     det_ = detector.start(x_);
-    if (!is_finite(det_)) det_ = Detection<Scalar>::none(vehicle_);
+    if (!guard_.possible(det_)) det_ = Detection<Scalar>::none(guard_.vehicle());
   }
 
   void step(const Measurement<Scalar>& y, const Allocation<Scalar>& last) noexcept(cannot_throw) {
-    x_ = observer.step(y, last);
-    if (!believable(x_)) {
+    actions_ = {};
+    const bool measured = y.rate_valid && y.momentum_valid;
+    x_ = measured && measured_ && y.event == event_ ? observer.step(y, last) : skip_interval(observer, y, last);
+    if (!guard_.possible(x_)) {
       x_ = observer.start(y);
-      if (!believable(x_)) healthy_instead(y);
-      x_.status.set(Flag::component_reset);
+      if (!guard_.possible(x_)) healthy_instead(y);
+      restarted(actions_.observer);
     }
+    x_.event = event_ = y.event;
+    measured_ = measured;
     det_ = detector.step(x_, last);
-    if (!is_finite(det_)) {
+    if (!guard_.possible(det_)) {
       det_ = detector.start(x_);
-      if (!is_finite(det_)) det_ = Detection<Scalar>::none(vehicle_);
-      x_.status.set(Flag::component_reset);
+      if (!guard_.possible(det_)) det_ = Detection<Scalar>::none(guard_.vehicle());
+      restarted(actions_.detector);
     }
   }
 
   const Estimate<Scalar>& estimate() const noexcept { return x_; }
   const Detection<Scalar>& detection() const noexcept { return det_; }
+  const Guard<Scalar>& guard() const noexcept { return guard_; }
+  /// Which of the two was started again at this sample.
+  const GuardActions& actions() const noexcept { return actions_; }
 
   O observer;
   D detector;
 
  private:
-  /// A finite number can be large enough that a law with a power below one would carry what it left behind for years.
-  bool believable(const Estimate<Scalar>& x) const noexcept {
-    return is_finite(x) &&
-           !(x.d_B.template lpNorm<Eigen::Infinity>() > d_max_);  // NaN: a column of zeros without limits
-  }
   void healthy_instead(const Measurement<Scalar>& y) noexcept {
     x_ = Estimate<Scalar>::healthy(y);
+    restarted(actions_.observer);
+  }
+  void restarted(bool& which) noexcept {
+    which = true;
     x_.status.set(Flag::component_reset);
   }
 
-  Vehicle<Scalar> vehicle_;
-  Scalar d_max_ = Scalar(0);  ///< N m: a thousand times what all actuators have together
+  Guard<Scalar> guard_;
   Estimate<Scalar> x_;
   Detection<Scalar> det_;
+  GuardActions actions_;
+  bool measured_ = true;     ///< rate and momentum at the sample before
+  std::uint32_t event_ = 0;  ///< of the measurement before
 };
 
 }  // namespace gyrostat

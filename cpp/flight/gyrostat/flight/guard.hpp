@@ -1,49 +1,161 @@
 // SPDX-License-Identifier: MIT
-/// @file  What the stack's guard asks of a signal: is it finite?
+/// @file  What cannot be on this vehicle at this period, and what to fly on where nothing was measured.
+///
+/// A signal is impossible when it has not one number an actuator, when a number in it is not finite, or when it is beyond any
+/// motion that samples could follow. The scales, with J the largest inertia, T the torque of all actuators together but at
+/// least 0.04 J rad/s^2, and an actuator without limit counting as what defaults count on (stiffness.hpp):
+///
+///   quaternion    a tenth off unit length;  in one sample, 0.2 rad beyond twice what the rate explains
+///   rate          100 rad a sample;         in one sample, 1000 T dt / J, but at least 0.1 rad/s; so the reference's too
+///   momentum      1000 J rad a sample;      in one sample, 1000 T dt
+///   demand        1e6 J rad a sample^2
+///   d_B           1000 T
+///   command       without limit: 1000 times what defaults count on, and what turns J by a radian within a sample
+///
+/// They part garbage from flight, no more: a wrong number inside them is flown. Page: docs/flight_software.md
 #pragma once
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
-#include "gyrostat/core/signals.hpp"
+#include "gyrostat/flight/euler_model.hpp"
+#include "gyrostat/flight/stiffness.hpp"
 
 namespace gyrostat {
 
-namespace detail {
-template <class S>
-bool is_finite(const Quat<S>& q) noexcept {
-  return q.coeffs().allFinite();
-}
-template <class S>
-bool is_finite(const EulerState<S>& e) noexcept {
-  return e.angles.allFinite() && e.rates.allFinite();
-}
-}  // namespace detail
+/// What the guard did at one sample.
+struct GuardActions {
+  bool attitude = false, rate = false, momentum = false, reference = false;        ///< input replaced
+  bool observer = false, detector = false, controller = false, allocator = false;  ///< component started again
+  bool command = false;  ///< the previous one issued once more
+
+  constexpr bool measurement() const noexcept { return attitude || rate || momentum; }
+};
 
 template <class S>
-bool is_finite(const Measurement<S>& y) noexcept {
-  return detail::is_finite(y.q_NB) && y.omega_BN_B.allFinite() && y.h_w.allFinite() && detail::is_finite(y.euler);
-}
-template <class S>
-bool is_finite(const Reference<S>& r) noexcept {
-  return detail::is_finite(r.q_NR) && r.omega_RN_R.allFinite() && r.omegadot_RN_R.allFinite() &&
-         detail::is_finite(r.euler) && r.euler_accelerations.allFinite();
-}
-/// An infinite effectiveness_bound means "never excited" and is allowed; NaN is not.
-template <class S>
-bool is_finite(const Estimate<S>& x) noexcept {
-  return detail::is_finite(x.q_NB) && x.omega_BN_B.allFinite() && x.h_w.allFinite() && detail::is_finite(x.euler) &&
-         x.effectiveness.allFinite() && !x.effectiveness_bound.hasNaN() && x.d_B.allFinite();
-}
-template <class S>
-bool is_finite(const Detection<S>& det) noexcept {
-  return det.u_probe.allFinite();
-}
-template <class S>
-bool is_finite(const Demand<S>& demand) noexcept {
-  return demand.tau_B.allFinite() && demand.u_pref.allFinite();
-}
-template <class S>
-bool is_finite(const Allocation<S>& a) noexcept {
-  return a.u.allFinite() && a.achieved_B.allFinite();
-}
+class Guard {
+ public:
+  explicit Guard(const Setup<S>& setup) noexcept : vehicle_(setup.vehicle), dt_(setup.dt) {
+    const S J = largest_inertia(vehicle_.J_B), unit = J / (dt_ * dt_);
+    const S least = S(0.04) * J, usable = std::max(usable_torque(vehicle_), least);
+    torque_ = S(0);
+    for (int i = 0; i < vehicle_.actuators(); ++i) {
+      const S lever = vehicle_.D_B.col(i).norm();
+      const S limit = std::max(std::abs(vehicle_.u_lo[i]), std::abs(vehicle_.u_up[i]));
+      const bool limited = lever * limit <= S(1000) * unit;
+      torque_ += limited ? lever * limit : std::min(usable, unit);
+      if (!limited) limit_command(i, std::min(S(1000) * usable, unit) / (lever > S(0) ? lever : S(1)));
+    }
+    torque_ = std::max(torque_, least);
+    rate_ = S(100) / dt_;
+    acceleration_ = std::max(S(100) * torque_ / J, S(0.02) / dt_);
+    momentum_ = S(1000) * J / dt_;
+    demand_ = S(1e6) * unit;
+  }
+
+  /// The vehicle with a limit for every command.
+  const Vehicle<S>& vehicle() const noexcept { return vehicle_; }
+
+  bool attitude_possible(const Measurement<S>& y) const noexcept {
+    return unit(y.q_NB) && (on_body() || within<Vec3<S>>(y.euler.angles, S(1e6)));
+  }
+  bool rate_possible(const Vec3<S>& omega) const noexcept { return within(omega, rate_); }
+  bool momentum_possible(const VecN<S>& h_w) const noexcept { return one_each(h_w) && within(h_w, momentum_); }
+
+  bool possible(const Reference<S>& r) const noexcept {
+    const bool body = unit(r.q_NR) && rate_possible(r.omega_RN_R) && within(r.omegadot_RN_R, acceleration_);
+    return body && (on_body() || (within(r.euler.angles, S(1e6)) && rate_possible(r.euler.rates) &&
+                                  within(r.euler_accelerations, acceleration_)));
+  }
+  /// An infinite effectiveness_bound means "never excited" and is possible; NaN is not.
+  bool possible(const Estimate<S>& x) const noexcept {
+    return unit(x.q_NB) && rate_possible(x.omega_BN_B) && momentum_possible(x.h_w) && one_each(x.effectiveness) &&
+           within(x.effectiveness, S(1000)) && one_each(x.effectiveness_bound) &&
+           (x.effectiveness_bound.array() >= S(0)).all() && within(x.d_B, S(1000) * torque_) &&
+           (on_body() || within(x.euler.angles, S(1e6)));
+  }
+  bool possible(const Detection<S>& det) const noexcept { return none_or_one_each(det.u_probe); }
+  bool possible(const Demand<S>& demand) const noexcept {
+    return within(demand.tau_B, demand_) && none_or_one_each(demand.u_pref);
+  }
+  bool possible(const Allocation<S>& a) const noexcept {
+    return one_each(a.u) && a.u.allFinite() && a.achieved_B.allFinite();
+  }
+
+  /// Whether no motion leads from one sample to the next: one of the two is wrong, and the interval teaches nothing.
+  bool jumps(const Measurement<S>& from, const Measurement<S>& to) const noexcept {
+    if (!within<Vec3<S>>(to.omega_BN_B - from.omega_BN_B, dt_ * acceleration_)) return true;
+    if (!within<VecN<S>>(to.h_w - from.h_w, dt_ * S(100) * torque_)) return true;
+    const S cosine = to.q_NB.dot(from.q_NB);
+    const S squared_sine = S(1) - cosine * cosine / (to.q_NB.squaredNorm() * from.q_NB.squaredNorm());
+    if (squared_sine <= S(0.01)) return false;  // the usual case; 0.01 is 0.2 rad
+    const S half = S(0.1) + dt_ * std::max(to.omega_BN_B.norm(), from.omega_BN_B.norm());
+    return half < S(1.5) && squared_sine > std::sin(half) * std::sin(half);
+  }
+
+  /// Puts into `y` what it has not measured: the sample before carried on over one interval by the model of all components.
+  /// @param x  what was known then
+  /// @param u  what was issued then
+  void carry_on(const Measurement<S>& before, const Estimate<S>& x, const VecN<S>& u,
+                Measurement<S>& y) const noexcept {
+    const VecN<S> delivered = x.effectiveness.cwiseProduct(u);
+    if (!y.momentum_valid) {
+      y.h_w = before.h_w;
+      for (int i = 0; i < vehicle_.actuators(); ++i)
+        if (vehicle_.wheels.test(i)) y.h_w[i] -= dt_ * delivered[i];
+      if (!momentum_possible(y.h_w)) y.h_w = before.h_w;
+    }
+    if (!y.rate_valid) y.omega_BN_B = next_rate(before, torque<S>(vehicle_.D_B, delivered) + known(x.d_B));
+    if (!y.attitude_valid) {
+      const Vec3<S> turn = dt_ / S(2) * (before.omega_BN_B + y.omega_BN_B);
+      y.q_NB = on_body() ? (before.q_NB * quat_exp(turn)).normalized() : quat_from_euler<S>(before.euler.angles + turn);
+      if (!on_body()) y.euler.angles = before.euler.angles + turn;
+    }
+    if (!on_body()) y.euler.rates = y.omega_BN_B;
+  }
+
+ private:
+  bool on_body() const noexcept { return vehicle_.coordinates == Coordinates::body; }
+  bool one_each(const VecN<S>& v) const noexcept { return v.size() == vehicle_.actuators(); }
+  bool none_or_one_each(const VecN<S>& v) const noexcept { return (v.size() == 0 || one_each(v)) && v.allFinite(); }
+
+  /// False for NaN.
+  template <class V>
+  static bool within(const V& v, S limit) noexcept {
+    return (v.array().abs() <= limit).all();
+  }
+  static bool unit(const Quat<S>& q) noexcept {
+    const S square = q.coeffs().squaredNorm();
+    return square >= S(0.81) && square <= S(1.21);
+  }
+
+  /// A torque that actuators could make good for is believed.
+  Vec3<S> known(const Vec3<S>& d_B) const noexcept { return d_B.cwiseMax(-torque_).cwiseMin(torque_); }
+
+  /// By the midpoint rule under a held torque; held where the model leads nowhere.
+  Vec3<S> next_rate(const Measurement<S>& before, const Vec3<S>& torque_B) const noexcept {
+    const Mat3<S> J_inv = vehicle_.J_B.inverse();
+    const auto rate = [&](const Vec3<S>& omega) -> Vec3<S> {
+      return J_inv * (torque_B + known_torque<S>(vehicle_, before.euler.angles, omega, before.h_w));
+    };
+    const Vec3<S> middle = before.omega_BN_B + dt_ / S(2) * rate(before.omega_BN_B);
+    const Vec3<S> next = before.omega_BN_B + dt_ * rate(middle);
+    return rate_possible(next) ? next : before.omega_BN_B;
+  }
+
+  void limit_command(int i, S box) noexcept {
+    S &lo = vehicle_.u_lo[i], &up = vehicle_.u_up[i];
+    if (up > box) up = std::max(box, lo);
+    if (lo < -box) lo = std::min(-box, up);
+  }
+
+  Vehicle<S> vehicle_;
+  S dt_;
+  S torque_;        ///< N m, T
+  S rate_;          ///< rad/s
+  S acceleration_;  ///< rad/s^2
+  S momentum_;      ///< N m s
+  S demand_;        ///< N m
+};
 
 }  // namespace gyrostat

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 /// @file  The flight half of the loop: the one place where the order of things is written, and the guard.
 ///
-/// Guard: a non-finite input holds the last valid one; a non-finite output restarts its component and the clipped
-/// previous command is issued again; the command is clipped to its box and its rate once more. Each sets a Flag in the status.
-/// Page: docs/architecture.md
+/// Guard (guard.hpp says what is impossible): of an invalid measurement, attitude and rate are carried on by the model and
+/// teach nothing, an invalid reference holds the last valid one; an impossible output restarts its component and the previous
+/// command is issued again; the command is clipped to its box and its rate once more. Each sets a Flag in the status.
+/// Page: docs/flight_software.md
 #pragma once
 #include <algorithm>
 #include <utility>
 
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/estimator.hpp"
+#include "gyrostat/flight/inputs.hpp"
 
 namespace gyrostat {
 
@@ -26,56 +28,58 @@ class FlightStack {
                                        std::declval<const Detection<Scalar>&>()));
 
   FlightStack(const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_)
-      : estimator(setup.vehicle, std::move(observer), std::move(detector)),
+      : estimator(setup, std::move(observer), std::move(detector)),
         controller(std::move(controller_)),
         allocator(std::move(allocator_)),
-        vehicle_(setup.vehicle),
         du_max_(setup.vehicle.u_rate * setup.dt),
         last_(idle()) {}
 
-  /// One sample. The first call with a finite measurement starts the components; none before it has an effect.
+  /// One sample, whatever the inputs hold. The first call with valid ones starts the components; none before it has an effect.
   const Allocation<Scalar>& step(const Measurement<Scalar>& y_in,
                                  const Reference<Scalar>& ref_in) noexcept(cannot_throw) {
+    const bool flies = inputs_.take(guard(), y_in, ref_in, estimator.estimate(), last_.u);
+    actions_ = inputs_.replaced();
     Flags status;
-    hold_last_valid(y_in, y_, y_valid_, status);
-    y_.tick = y_in.tick;
-    hold_last_valid(ref_in, ref_, ref_valid_, status);
-    if (!y_valid_ || !ref_valid_) {
+    if (actions_.measurement() || actions_.reference) status.set(Flag::input_held);
+    if (!flies) {
       last_.status = status;
       return last_;
     }
     if (started_) {
-      estimator.step(y_, last_);
-      demand_ = controller.step(estimator.estimate(), estimator.detection(), ref_, last_);
+      estimator.step(inputs_.measurement(), last_);
+      demand_ = controller.step(estimator.estimate(), estimator.detection(), inputs_.reference(), last_);
     } else {
       allocator.reset();
-      estimator.start(y_);
-      demand_ = controller.start(estimator.estimate(), estimator.detection(), ref_);
+      estimator.start(inputs_.measurement());
+      demand_ = controller.start(estimator.estimate(), estimator.detection(), inputs_.reference());
       started_ = true;
     }
     const Estimate<Scalar>& x = estimator.estimate();
     const Detection<Scalar>& det = estimator.detection();
+    actions_.observer = estimator.actions().observer;
+    actions_.detector = estimator.actions().detector;
     bool hold = x.status.has(Flag::component_reset);
-    if (!is_finite(demand_)) {
-      demand_ = controller.start(x, det, ref_);
-      if (!is_finite(demand_)) demand_ = {};
-      hold = true;
+    if (!guard().possible(demand_)) {
+      demand_ = controller.start(x, det, inputs_.reference());
+      if (!guard().possible(demand_)) demand_ = {};
+      hold = actions_.controller = true;
     }
-    if (demand_.u_pref.size() == 0) demand_.u_pref.setZero(vehicle_.actuators());
+    if (demand_.u_pref.size() == 0) demand_.u_pref.setZero(vehicle().actuators());
     if (det.u_probe.size() != 0) demand_.u_pref += det.u_probe;
     Allocation<Scalar> next = allocator.step(demand_, x, det);
-    if (!is_finite(next)) {
+    if (!guard().possible(next)) {
       allocator.reset();
-      hold = true;
+      hold = actions_.allocator = true;
     }
     if (hold) {
       const VecN<Scalar> previous = last_.u;
-      next = Allocation<Scalar>::idle(vehicle_.actuators());
+      next = Allocation<Scalar>::idle(vehicle().actuators());
       next.u = previous;
       next.demand_B = demand_.tau_B;
-      next.achieved_B = torque<Scalar>(vehicle_.D_B, x.effectiveness.cwiseProduct(previous));
+      next.achieved_B = torque<Scalar>(vehicle().D_B, x.effectiveness.cwiseProduct(previous));
       status.set(Flag::component_reset);
       status.set(Flag::command_held);
+      actions_.command = true;
     }
     clip_once_more(next, x);
     next.status = next.status | x.status | demand_.status | status;
@@ -85,7 +89,9 @@ class FlightStack {
 
   /// As constructed: the next step starts the components again.
   void reset() noexcept {
-    started_ = y_valid_ = ref_valid_ = false;
+    started_ = false;
+    inputs_ = {};
+    actions_ = {};
     last_ = idle();
   }
 
@@ -94,45 +100,43 @@ class FlightStack {
   const Demand<Scalar>& demand() const noexcept { return demand_; }
   /// What was issued last.
   const Allocation<Scalar>& last() const noexcept { return last_; }
+  /// The measurement as the components got it; its valid bits say what was truly measured.
+  const Measurement<Scalar>& measurement() const noexcept { return inputs_.measurement(); }
+  /// Whether the components have begun.
+  bool started() const noexcept { return started_; }
+  /// What the guard did at this sample.
+  const GuardActions& actions() const noexcept { return actions_; }
 
   Estimator<O, D> estimator;
   C controller;
   A allocator;
 
  private:
+  const Guard<Scalar>& guard() const noexcept { return estimator.guard(); }
+  const Vehicle<Scalar>& vehicle() const noexcept { return guard().vehicle(); }
+
   Allocation<Scalar> idle() const noexcept {
-    Allocation<Scalar> a = Allocation<Scalar>::idle(vehicle_.actuators());
-    a.u = clip<Scalar>(a.u, vehicle_.u_lo, vehicle_.u_up);
+    Allocation<Scalar> a = Allocation<Scalar>::idle(vehicle().actuators());
+    a.u = clip<Scalar>(a.u, vehicle().u_lo, vehicle().u_up);
     return a;
   }
 
-  template <class Signal>
-  static void hold_last_valid(const Signal& in, Signal& held, bool& valid, Flags& status) noexcept {
-    if (is_finite(in)) {
-      held = in;
-      valid = true;
-    } else {
-      status.set(Flag::input_held);
-    }
-  }
-
   void clip_once_more(Allocation<Scalar>& a, const Estimate<Scalar>& x) const noexcept {
-    const VecN<Scalar> lo = vehicle_.u_lo.cwiseMax(last_.u - du_max_);
-    const VecN<Scalar> up = vehicle_.u_up.cwiseMin(last_.u + du_max_);
+    const VecN<Scalar> lo = vehicle().u_lo.cwiseMax(last_.u - du_max_);
+    const VecN<Scalar> up = vehicle().u_up.cwiseMin(last_.u + du_max_);
     const VecN<Scalar> inside = clip<Scalar>(a.u, lo, up);
     const bool outside = inside != a.u;
     a.u = inside;
     a.saturated = a.saturated | saturated<Scalar>(a.u, lo, up);
-    if (outside) a.achieved_B = torque<Scalar>(vehicle_.D_B, x.effectiveness.cwiseProduct(a.u));
+    if (outside) a.achieved_B = torque<Scalar>(vehicle().D_B, x.effectiveness.cwiseProduct(a.u));
   }
 
-  Vehicle<Scalar> vehicle_;
   VecN<Scalar> du_max_;  ///< N m a sample
-  Measurement<Scalar> y_;
-  Reference<Scalar> ref_;
+  Inputs<Scalar> inputs_;
   Demand<Scalar> demand_;
   Allocation<Scalar> last_;
-  bool started_ = false, y_valid_ = false, ref_valid_ = false;
+  GuardActions actions_;
+  bool started_ = false;
 };
 
 }  // namespace gyrostat

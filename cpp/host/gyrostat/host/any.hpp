@@ -15,6 +15,7 @@ class ObserverBase : public Reporting {
  public:
   virtual Estimate<double> start(const Measurement<double>& y) = 0;
   virtual Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) = 0;
+  virtual Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) = 0;
 };
 
 class DetectorBase : public Reporting {
@@ -59,6 +60,9 @@ class ObserverModel final : public Model<T, ObserverBase> {
   Estimate<double> start(const Measurement<double>& y) final { return this->component_.start(y); }
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) final {
     return this->component_.step(y, last);
+  }
+  Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) final {
+    return skip_interval(this->component_, y, last);
   }
 };
 
@@ -114,6 +118,7 @@ class AnyObserver : public Any<ObserverBase> {
   using Any::Any;
   Estimate<double> start(const Measurement<double>& y) { return model_->start(y); }
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) { return model_->step(y, last); }
+  Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) { return model_->skip(y, last); }
 };
 
 class AnyDetector : public Any<DetectorBase> {

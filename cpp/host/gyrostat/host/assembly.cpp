@@ -355,7 +355,7 @@ std::vector<Shadow> make_shadows(const Assembly& a, const ExternalComponents&) {
   const Catalogue& c = catalogue();
   std::vector<Shadow> out;
   for (const auto& [observer, detector] : a.shadows) {
-    out.emplace_back(a.setup.vehicle, AnyObserver(make_one(c.observers, a, observer, {})),
+    out.emplace_back(a.setup, AnyObserver(make_one(c.observers, a, observer, {})),
                      AnyDetector(make_one(c.detectors, a, detector, {})));
   }
   return out;

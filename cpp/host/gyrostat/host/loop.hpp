@@ -13,11 +13,19 @@ namespace gyrostat::host {
 
 /// How a run ended.
 struct RunEnd {
-  enum class Code { completed, singular, non_finite, integration_failed };
+  enum class Code { completed, singular, non_finite, integration_failed, no_command };
   Code code = Code::completed;
   std::string cause;
   double time = 0;  ///< s, last sample reached
+  Tick samples = 0, held = 0,
+       issued = 0;  ///< in all; where the guard replaced something; with a command of the stack's own
+
+  /// Share of the samples at which an input was replaced or the previous command issued again.
+  double held_fraction() const { return samples == 0 ? 0 : static_cast<double>(held) / static_cast<double>(samples); }
 };
+
+/// What the guard did, in words: "attitude and rate not measured, controller started again".
+std::string text_of(const GuardActions& did);
 
 /// Looks on without a part in the loop. `before` sees a measurement and what was issued over the interval just ended,
 /// `after` the same sample once the stack has stepped.
@@ -27,7 +35,8 @@ struct NobodyWatches {
 };
 
 /// Flies `ticks` intervals; samples 0 ... ticks are stepped. A failing integration or a singularity ends the run with
-/// its time and cause; an exception of a component passes through.
+/// its time and cause, and one in which the stack never issued a command of its own is none; an exception of a component
+/// passes through.
 template <class Stack, class Watcher = NobodyWatches>
 RunEnd fly(truth::Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stack& stack, Tick ticks,
            Watcher&& watcher = Watcher{}) {
@@ -40,6 +49,10 @@ RunEnd fly(truth::Plant& plant, truth::Sensors& sensors, ReferencePath& referenc
       const Reference<double>& ref = reference.at(k);
       watcher.before(y, stack.last());
       stack.step(y, ref);
+      const GuardActions& did = stack.actions();
+      ++end.samples;
+      if (did.measurement() || did.reference || did.command) ++end.held;
+      if (stack.started() && !did.command) ++end.issued;
       end.time = plant.time();
       watcher.after(k, y, ref);
       if (stack.last().status.has(Flag::singular)) {
@@ -49,7 +62,12 @@ RunEnd fly(truth::Plant& plant, truth::Sensors& sensors, ReferencePath& referenc
                     " deg at t = " + std::to_string(end.time) + " s";
         return end;
       }
-      if (k == ticks) return end;
+      if (k == ticks) {
+        if (end.issued > 0) return end;
+        end.code = RunEnd::Code::no_command;
+        end.cause = "the stack never issued a command of its own: " + text_of(did);
+        return end;
+      }
       plant.advance(stack.last().u);
     }
   } catch (const truth::NonFiniteState& e) {

@@ -2,6 +2,7 @@
 #include "gyrostat/host/simulate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <stdexcept>
@@ -11,7 +12,23 @@
 namespace gyrostat::host {
 namespace {
 
-/// Counters of components, detector and reference, turned into events when they go up.
+/// What the guard may do: name of the event, and words for it.
+struct Action {
+  const char* name;
+  const char* text;
+  bool GuardActions::* done;
+};
+constexpr Action actions[] = {{"guard.attitude", "attitude not measured", &GuardActions::attitude},
+                              {"guard.rate", "rate not measured", &GuardActions::rate},
+                              {"guard.momentum", "wheel momentum not measured", &GuardActions::momentum},
+                              {"guard.reference", "reference not usable", &GuardActions::reference},
+                              {"guard.observer", "observer started again", &GuardActions::observer},
+                              {"guard.detector", "detector started again", &GuardActions::detector},
+                              {"guard.controller", "controller started again", &GuardActions::controller},
+                              {"guard.allocator", "allocator started again", &GuardActions::allocator},
+                              {"guard.command", "previous command issued again", &GuardActions::command}};
+
+/// Counters of components, detector and reference, turned into events when they go up, and what the guard did.
 class EventLog {
  public:
   explicit EventLog(const std::vector<Reported>& components) {
@@ -30,11 +47,14 @@ class EventLog {
     }
   }
 
-  void look(double t, const Detection<double>& det, const Reference<double>& ref) {
+  void look(double t, const Detection<double>& det, const Reference<double>& ref, const GuardActions& did) {
     count(t, "detector.event", static_cast<int>(det.event), detections_);
     count(t, "reference.event", static_cast<int>(ref.event), references_);
     for (Source& s : sources_) s.component->values(s.row.data());
     for (CounterView& c : counters_) count(t, c.name, static_cast<int>(sources_[c.source].row[c.offset]), c.seen);
+    for (std::size_t i = 0; i < std::size(actions); ++i) {
+      if (did.*actions[i].done) note(t, i);
+    }
   }
 
   std::vector<Event> take() && { return std::move(events_); }
@@ -55,9 +75,20 @@ class EventLog {
     seen = now;
   }
 
+  /// One event for each thing that the guard does: a component that fails at every sample must not fill the list.
+  void note(double t, std::size_t action) {
+    std::size_t& at = noted_[action];
+    if (at == 0) {
+      events_.push_back({t, actions[action].name, 0});
+      at = events_.size();
+    }
+    ++events_[at - 1].count;
+  }
+
   std::vector<Source> sources_;
   std::vector<CounterView> counters_;
   std::vector<Event> events_;
+  std::array<std::size_t, std::size(actions)> noted_{};  ///< place in `events_`, from one
   int detections_ = 0, references_ = 0;
 };
 
@@ -109,16 +140,19 @@ class Watcher {
     if (plant.flies_euler()) angles_before_ = plant.euler().angles;
   }
 
-  void before(const Measurement<double>& y, const Allocation<double>& last) {
-    if (previous_ && started_) u_held_ = last.u;
-    if (!shadows_.empty() && is_finite(y)) {
-      for (Shadow& s : shadows_) started_ ? s.step(y, last) : s.start(y);
-    }
-    started_ = true;
+  void before(const Measurement<double>&, const Allocation<double>& last) {
+    if (previous_ && !first_) u_held_ = last.u;
+    first_ = false;
+    if (!shadows_.empty()) last_ = last;
   }
 
+  /// Shadows see what the first pair saw.
   void after(Tick k, const Measurement<double>& y, const Reference<double>& ref) {
-    events_.look(plant_.time(), stack_.detection(), ref);
+    for (Shadow& s : shadows_) {
+      if (stack_.started()) shadows_started_ ? s.step(stack_.measurement(), last_) : s.start(stack_.measurement());
+    }
+    shadows_started_ = stack_.started();
+    events_.look(plant_.time(), stack_.detection(), ref, stack_.actions());
     if (recorder_ != nullptr && (k % every_ == 0 || k == ticks_)) {
       moment_.advance(plant_.time());
       moment_.y = &y;
@@ -153,7 +187,8 @@ class Watcher {
   EventLog events_;
   ProgressClock clock_;
   Moment moment_;
-  bool previous_, started_ = false;
+  bool previous_, first_ = true, shadows_started_ = false;
+  Allocation<double> last_;  ///< issued over the interval just ended
   VecN<double> u_held_, h_w_before_;
   Vec3<double> omega_before_;
   Vec3<double> angles_before_ = Vec3<double>::Zero();
@@ -251,6 +286,14 @@ Table resolved(const std::vector<ParamInfo>& params, const Table& given, const s
 }
 
 }  // namespace
+
+std::string text_of(const GuardActions& did) {
+  std::string text;
+  for (const Action& action : actions) {
+    if (did.*action.done) text += (text.empty() ? "" : ", ") + std::string(action.text);
+  }
+  return text;
+}
 
 std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& external) {
   const Assembly a = assemble(scenario);

@@ -29,7 +29,8 @@ struct CheckRow {
   Status<double> status;
 };
 
-/// A dated event: a counter of a component, the detector or the reference went up.
+/// A dated event: a counter of a component, the detector or the reference went up, and to what. Of what the guard did
+/// (guard.rate, guard.controller, ...): the first time, and at how many samples in all.
 struct Event {
   double t;
   std::string name;
@@ -61,7 +62,8 @@ Table resolve(const Table& scenario, const ExternalComponents& external = {});
 /// Channels that a run of this scenario offers.
 std::vector<ChannelInfo> channels(const Table& scenario, const ExternalComponents& external = {});
 
-/// Runs the scenario. A failing integration, a singularity or a non-finite state is no error: the result says so.
+/// Runs the scenario. A failing integration, a singularity, a non-finite state or a stack without a command of its own is no
+/// error: the result says so.
 RunResult simulate(const Table& scenario, const ExternalComponents& external = {}, const RunOptions& options = {});
 
 }  // namespace gyrostat::host

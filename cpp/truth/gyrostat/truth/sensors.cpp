@@ -4,6 +4,7 @@
 #include <Random123/philox.h>
 #include <Random123/boxmuller.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -20,6 +21,9 @@ void check_range(const char* name, double noise, double quantisation, int delay)
   if (noise >= 0 && quantisation >= 0 && delay >= 0) return;
   throw std::invalid_argument("sensor " + std::string(name) + ": noise, quantisation and delay must not be negative");
 }
+
+/// An onset or end within 1e-9 s of a sample happens at it.
+bool active(const auto& fault, double t) noexcept { return t >= fault.t_on - 1e-9 && t < fault.t_off - 1e-9; }
 
 }  // namespace
 
@@ -70,22 +74,45 @@ bool Sensors::take_fault(const Sensor& sensor) {
   if (const auto* bias = std::get_if<RateBias>(&sensor)) return take(*bias, biases_);
   if (const auto* freeze = std::get_if<RateFreeze>(&sensor)) return take(*freeze, freezes_);
   if (const auto* scale = std::get_if<RateScale>(&sensor)) return take(*scale, scales_);
+  if (const auto* dropout = std::get_if<RateDropout>(&sensor)) return take(*dropout, rate_dropouts_);
+  if (const auto* dropout = std::get_if<AttitudeDropout>(&sensor)) return take(*dropout, attitude_dropouts_);
+  if (const auto* dropout = std::get_if<MomentumDropout>(&sensor)) return take(*dropout, momentum_dropouts_);
   return false;
 }
 
-/// An onset or end within 1e-9 s of a sample happens at it. A freeze from the first sample on shows the first value.
+/// A freeze from the first sample on shows the first value.
 void Sensors::apply_faults(double t, Vec3<double>& rate) {
-  const auto active = [t](const auto& fault) { return t >= fault.t_on - 1e-9 && t < fault.t_off - 1e-9; };
   for (const RateScale& fault : scales_) {
-    if (active(fault)) rate = rate.cwiseProduct(fault.scale).eval();
+    if (active(fault, t)) rate = rate.cwiseProduct(fault.scale).eval();
   }
   for (const RateBias& fault : biases_) {
-    if (active(fault)) rate += fault.bias;
+    if (active(fault, t)) rate += fault.bias;
   }
   for (const RateFreeze& fault : freezes_) {
-    if (active(fault) && t > 0) rate = shown_;
+    if (active(fault, t) && t > 0) rate = shown_;
   }
   shown_ = rate;
+}
+
+/// Where a sensor gives nothing, the number that stood there last goes on standing there.
+void Sensors::drop_out(double t, Measurement<double>& y) {
+  if (rate_dropouts_.empty() && attitude_dropouts_.empty() && momentum_dropouts_.empty()) return;
+  const auto any = [t](const auto& faults) {
+    return std::any_of(faults.begin(), faults.end(), [t](const auto& fault) { return active(fault, t); });
+  };
+  y.rate_valid = !any(rate_dropouts_);
+  y.attitude_valid = !any(attitude_dropouts_);
+  y.momentum_valid = !any(momentum_dropouts_);
+  if (t > 0 && !y.rate_valid) {
+    y.omega_BN_B = last_.omega_BN_B;
+    y.euler.rates = last_.euler.rates;
+  }
+  if (t > 0 && !y.attitude_valid) {
+    y.q_NB = last_.q_NB;
+    y.euler.angles = last_.euler.angles;
+  }
+  if (t > 0 && !y.momentum_valid) y.h_w = last_.h_w;
+  last_ = y;
 }
 
 Vec3<double> Sensors::measured_rate(Tick tick, const Vec3<double>& omega_BN_B) {
@@ -105,6 +132,7 @@ Measurement<double> Sensors::measure(Tick tick, const EulerState<double>& truth,
   if (attitude_.noise > 0) y.euler.angles += attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
   for (double& angle : y.euler.angles) angle = quantised(angle, attitude_.quantisation);
   y.q_NB = quat_from_euler(y.euler.angles);
+  drop_out(static_cast<double>(tick) * dt_, y);
   return y;
 }
 
@@ -130,6 +158,7 @@ Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const 
     y.euler.angles = euler(y.q_NB);
     y.euler.rates = euler_rates(y.euler.angles, y.omega_BN_B);
   }
+  drop_out(static_cast<double>(tick) * dt_, y);
   return y;
 }
 

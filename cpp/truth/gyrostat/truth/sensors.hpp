@@ -83,8 +83,33 @@ struct RateScale {
   }
 };
 
-/// Sensors, one of a kind, and faults of the rate sensor, any number. Scale acts first, then bias, then freeze.
-using Sensor = std::variant<Gyro, AttitudeSensor, RateBias, RateFreeze, RateScale>;
+/// Fault of the rate sensor: it gives nothing, and says so. What it shows is what it showed last.
+struct RateDropout {
+  static constexpr const char* name = "rate_dropout";
+  double t_on = 0, t_off = std::numeric_limits<double>::infinity();
+
+  static constexpr void describe(auto& p, auto&& field) { detail::describe_onset(p, field); }
+};
+
+/// Fault of the attitude sensor: it gives nothing, and says so. What it shows is what it showed last.
+struct AttitudeDropout {
+  static constexpr const char* name = "attitude_dropout";
+  double t_on = 0, t_off = std::numeric_limits<double>::infinity();
+
+  static constexpr void describe(auto& p, auto&& field) { detail::describe_onset(p, field); }
+};
+
+/// Fault of the wheels' speed sensors: they give nothing, and say so. What they show is what they showed last.
+struct MomentumDropout {
+  static constexpr const char* name = "momentum_dropout";
+  double t_on = 0, t_off = std::numeric_limits<double>::infinity();
+
+  static constexpr void describe(auto& p, auto&& field) { detail::describe_onset(p, field); }
+};
+
+/// Sensors, one of a kind, and faults of sensors, any number. Scale acts first, then bias, freeze, dropout.
+using Sensor =
+    std::variant<Gyro, AttitudeSensor, RateBias, RateFreeze, RateScale, RateDropout, AttitudeDropout, MomentumDropout>;
 
 /// Three standard normal numbers of a stream at a tick.
 Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std::uint64_t stream, Tick tick) noexcept;
@@ -121,6 +146,7 @@ class Sensors {
 
   bool take_fault(const Sensor& sensor);
   void apply_faults(double t, Vec3<double>& rate);
+  void drop_out(double t, Measurement<double>& y);
 
   Gyro gyro_;
   AttitudeSensor attitude_;
@@ -130,7 +156,11 @@ class Sensors {
   std::vector<RateScale> scales_;
   std::vector<RateBias> biases_;
   std::vector<RateFreeze> freezes_;
+  std::vector<RateDropout> rate_dropouts_;
+  std::vector<AttitudeDropout> attitude_dropouts_;
+  std::vector<MomentumDropout> momentum_dropouts_;
   Vec3<double> shown_ = Vec3<double>::Zero();  ///< rad/s, by the rate sensor at the sample before
+  Measurement<double> last_;                   ///< at the sample before, where something drops out
   DelayLine<Vec3<double>> rates_{0};
   DelayLine<Quat<double>> attitudes_{0};
   DelayLine<Vec3<double>> angles_{0};

@@ -110,6 +110,7 @@ class IntegralSlidingMode {
     momentum_error_.setZero();
     s_.setZero();
     gain_ = params_.gain_0;
+    event_ = x.event;
     remember(x);
     return demand(x, ref);
   }
@@ -133,6 +134,10 @@ class IntegralSlidingMode {
   void integrate(const Estimate<S>& x) noexcept {
     const Vec3<S> omega = omega_, gyro_B = gyro_B_;
     remember(x);
+    if (x.event != event_) {  // a jump of the state is nothing that a torque has done
+      event_ = x.event;
+      return;
+    }
     momentum_error_ += vehicle_.J_B * (omega_ - omega) + dt_ * (S(0.5) * (gyro_B + gyro_B_) - u_nominal_);
     momentum_error_ = momentum_error_.cwiseMax(-params_.s_lim).cwiseMin(params_.s_lim);
     s_ = params_.surface == Surface::inertia ? momentum_error_ : Vec3<S>(J_inv_ * momentum_error_);
@@ -176,6 +181,7 @@ class IntegralSlidingMode {
   Vec3<S> u_nominal_ = Vec3<S>::Zero();  ///< N m, held since the sample before
   Vec3<S> gain_;                         ///< N m, for the next demand
   Vec3<S> gain_used_ = Vec3<S>::Zero();  ///< N m, in the last demand
+  std::uint32_t event_ = 0;              ///< of the estimate before
 };
 
 }  // namespace gyrostat

@@ -73,6 +73,7 @@ class MixedLearningSlidingMode {
   /// First sample: nothing learnt before.
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
     learning_.reset();
+    event_ = x.event;
     return demand(x, ref);
   }
   [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
@@ -104,8 +105,10 @@ class MixedLearningSlidingMode {
   Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
     const typename RateAttitudeSurface<S>::Value at = surface_(vehicle_, x, ref);
     s_ = at.s;
+    if (x.event == event_) learning_.update(s_);  // a jump of the state teaches nothing
+    event_ = x.event;
     Demand<S> out;
-    out.tau_B = at.equivalent_B + params_.reaching(s_) - learning_.update(s_);
+    out.tau_B = at.equivalent_B + params_.reaching(s_) - learning_.learnt();
     if (power_reaching_.k > S(0)) out.tau_B -= power_reaching_.k * sig(s_, power_reaching_.power);
     if (params_.compensate) out.tau_B -= x.d_B;
     return out;
@@ -117,6 +120,7 @@ class MixedLearningSlidingMode {
   PowerReaching power_reaching_;
   MixedLearning<S> learning_;
   Vec3<S> s_ = Vec3<S>::Zero();  ///< rad/s
+  std::uint32_t event_ = 0;      ///< of the estimate before
 };
 
 }  // namespace gyrostat

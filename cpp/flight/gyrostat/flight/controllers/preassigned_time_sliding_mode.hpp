@@ -88,7 +88,7 @@ class PreassignedTimeSlidingMode {
     const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     plan(now, free_acceleration(now, x, ref), params_.T);
-    event_ = ref.event;
+    event_ = ref.event + x.event;
     tumbling_ = false;
     return demand(now, x, ref);
   }
@@ -99,11 +99,11 @@ class PreassignedTimeSlidingMode {
     const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     if (tumbles(now, x, last)) {
-      event_ = ~ref.event;  // plan when it is over
+      event_ = ~(ref.event + x.event);  // plan when it is over
       return damping(now, x);
     }
-    if (ref.event != event_) {  // a new target: all of T again
-      event_ = ref.event;
+    if (ref.event + x.event != event_) {  // a new target, or the state has jumped: all of T again
+      event_ = ref.event + x.event;
       plan(now, free_acceleration(now, x, ref), params_.T);
     } else if (params_.stretch > S(0) && falls_short(last)) {  // after T too: a fault may come at any time
       plan(now, achieved_acceleration(now, x, ref, last), left() + params_.stretch * dt_);

@@ -100,7 +100,7 @@ class PrescribedPerformance {
     arms_ = breaches_ = 0;
     outside_ = false;
     lowest_margin_ = S(1);
-    reference_event_ = ref.event;
+    reference_event_ = ref.event + x.event;
     fault_event_ = det.event;
     side_ = short_side(x, ref);
     arm(x, sliding_error(x, ref, side_));
@@ -110,8 +110,8 @@ class PrescribedPerformance {
   [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref,
                                const Allocation<S>&) noexcept {
     ++since_arm_;
-    const bool jumped = ref.event != reference_event_, failed = det.event != fault_event_;
-    reference_event_ = ref.event;
+    const bool jumped = ref.event + x.event != reference_event_, failed = det.event != fault_event_;
+    reference_event_ = ref.event + x.event;
     fault_event_ = det.event;
     if (params_.arming == Arming::adaptive && (jumped || failed)) {
       if (jumped) side_ = short_side(x, ref);  // between jumps a flip would throw the error out of its funnel

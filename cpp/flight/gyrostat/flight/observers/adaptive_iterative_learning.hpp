@@ -99,6 +99,12 @@ class AdaptiveIterativeLearningObserver {
     return learning_.estimate(y);
   }
 
+  /// Nothing is learned.
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    learning_.skip(y);
+    return learning_.estimate(y);
+  }
+
   void telemetry(auto&& log) const {
     log("error", learning_.error());
     log("gains", Eigen::Matrix<S, 1, 3>(gains_.k1, gains_.k2, gains_.k4));  // three numbers, no axes

@@ -106,6 +106,12 @@ class AdaptiveSlidingMode {
     return estimate(y);
   }
 
+  /// Nothing is learned.
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    predict_.skip(y);
+    return estimate(y);
+  }
+
   void telemetry(auto&& log) const {
     log("rate_error", predict_.error());
     log("rho", rho_);

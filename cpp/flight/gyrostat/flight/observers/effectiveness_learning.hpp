@@ -105,6 +105,12 @@ class EffectivenessLearning {
     past_error_.fill(error_);
   }
 
+  /// Over an interval that taught nothing: w~ stays, the predicted rate moves with the measured one.
+  void skip(const Measurement<S>& y) noexcept {
+    omega_ = y.omega_BN_B - error_;
+    h_w_ = y.h_w;
+  }
+
   /// First half: the rate observer over the interval just ended, by the midpoint rule. Returns |w~|.
   S observe(const Measurement<S>& y, const Allocation<S>& last, const LearningGains<S>& k, S layer_width) noexcept {
     const Vec3<S> tau_B = torque<S>(vehicle_.D_B, e_.cwiseProduct(last.u)) + vehicle_.J_B * (k.k1 * error_) +

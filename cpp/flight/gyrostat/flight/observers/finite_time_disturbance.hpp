@@ -106,6 +106,13 @@ class FiniteTimeDisturbanceObserver {
     return estimate(y);
   }
 
+  /// Nothing is learned: z1 stays, what moves with w.
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    omega_ = y.omega_BN_B;
+    h_w_B_ = torque<S>(vehicle_.D_B, y.h_w);
+    return estimate(y);
+  }
+
   void telemetry(auto&& log) const {
     log("z1", z1_);
     log("eta", eta_);

@@ -57,6 +57,12 @@ class IterativeLearningObserver {
     return learning_.estimate(y);
   }
 
+  /// Nothing is learned.
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    learning_.skip(y);
+    return learning_.estimate(y);
+  }
+
   void telemetry(auto&& log) const { log("error", learning_.error()); }
 
  private:

@@ -123,6 +123,12 @@ class LearningDisturbanceObserver {
     return estimate(y);
   }
 
+  /// Nothing is learned: e stays, and the learning interval waits.
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    remember(y);
+    return estimate(y);
+  }
+
   void telemetry(auto&& log) const {
     log("f_hat", f_hat_);
     log("e", e_);

@@ -103,6 +103,13 @@ class LearningEffectiveness {
     return estimate(y);
   }
 
+  /// Nothing is learned, and with the time that passed something is forgotten.
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    predict_.skip(y);
+    confidence_.grow();
+    return estimate(y);
+  }
+
   void telemetry(auto&& log) const {
     log("rate_error", predict_.error());
     VecN<S> information(effectiveness_.size());

@@ -105,6 +105,12 @@ class LearningEffectivenessPrinted {
     return learn(y, last.u);
   }
 
+  /// Nothing is learned.
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    predict_.skip(y);
+    return estimate(y);
+  }
+
   void telemetry(auto&& log) const { log("rate_error", predict_.error()); }
 
  private:
@@ -129,6 +135,10 @@ class LearningEffectivenessPrinted {
     }
     past_.push({effectiveness_, error});
     predict_.correct(params_.M.cwiseProduct(error) + params_.n * layer(error, params_.layer));
+    return estimate(y);
+  }
+
+  Estimate<S> estimate(const Measurement<S>& y) const noexcept {
     Estimate<S> x = Estimate<S>::healthy(y);
     x.effectiveness = effectiveness_;
     return x;

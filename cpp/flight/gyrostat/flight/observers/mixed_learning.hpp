@@ -102,6 +102,13 @@ class MixedLearningObserver {
     return learn(y);
   }
 
+  /// Nothing is learned: the error stays, the prediction moves with the rate.
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+    omega_hat_ = y.omega_BN_B - error_;
+    h_w_B_ = torque<S>(vehicle_.D_B, y.h_w);
+    return estimate(y);
+  }
+
   void telemetry(auto&& log) const {
     log("omega_hat", omega_hat_);
     log("error", error_);
@@ -112,8 +119,13 @@ class MixedLearningObserver {
   Estimate<S> learn(const Measurement<S>& y) noexcept {
     error_ = y.omega_BN_B - omega_hat_;
     h_w_B_ = torque<S>(vehicle_.D_B, y.h_w);
+    learning_.update(error_);
+    return estimate(y);
+  }
+
+  Estimate<S> estimate(const Measurement<S>& y) const noexcept {
     Estimate<S> x = Estimate<S>::healthy(y);
-    x.d_B = learning_.update(error_);
+    x.d_B = learning_.learnt();
     return x;
   }
 

@@ -42,6 +42,12 @@ class RatePredictor {
     return error_;
   }
 
+  /// Over an interval that taught nothing: w~ stays, the prediction moves with the rate.
+  void skip(const Measurement<S>& y) noexcept {
+    omega_hat_ = y.omega_BN_B - error_;
+    h_w_B_ = torque<S>(D_B_, y.h_w);
+  }
+
   /// The correction of the next interval, N m.
   void correct(const Vec3<S>& injection_B) noexcept { injection_B_ = injection_B; }
 
