@@ -44,4 +44,26 @@ double bisect(double lo, double hi, double tolerance, const Predicate& beyond) n
   return hi;
 }
 
+/// Where a continuous f, not positive at lo (f_lo) and positive at hi (f_hi), becomes so, from above: within `tolerance` or
+/// where f is at most `small`. Illinois variant of the false position: a handful of calls.
+template <class F>
+double first_positive(double lo, double f_lo, double hi, double f_hi, double tolerance, double small,
+                      const F& f) noexcept {
+  double weight_lo = f_lo, weight_hi = f_hi;
+  int last = 0;
+  while (hi - lo > tolerance && f_hi > small) {
+    double x = (lo * weight_hi - hi * weight_lo) / (weight_hi - weight_lo);
+    if (!(x > lo && x < hi)) x = 0.5 * (lo + hi);
+    if (x <= lo || x >= hi) break;
+    const double fx = f(x);
+    const int side = fx > 0 ? 1 : -1;
+    (side > 0 ? hi : lo) = x;
+    (side > 0 ? weight_hi : weight_lo) = fx;
+    if (side > 0) f_hi = fx;
+    if (side == last) (side > 0 ? weight_lo : weight_hi) /= 2;
+    last = side;
+  }
+  return hi;
+}
+
 }  // namespace gyrostat::truth

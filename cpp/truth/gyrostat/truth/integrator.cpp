@@ -134,6 +134,12 @@ void CvodeSolver::advance(Rhs rhs, const void* context, double t_end, double* y)
   std::copy_n(NV_DATA_S(m.y), m.states, y);
 }
 
+std::uint64_t CvodeSolver::steps() const noexcept {
+  long now = 0;
+  CVodeGetNumSteps(memory_->cvode, &now);
+  return memory_->before_restart.steps + static_cast<std::uint64_t>(now);
+}
+
 IntegratorStatistics CvodeSolver::statistics() const {
   const IntegratorStatistics now = memory_->since_restart(), before = memory_->before_restart;
   return {before.steps + now.steps, before.rhs_evaluations + now.rhs_evaluations, before.restarts, 0};

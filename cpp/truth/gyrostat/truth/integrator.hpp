@@ -42,9 +42,12 @@ struct Rk4 {
 /// The pair of Dormand and Prince, order 5(4): error controlled as CVODE is, without a history that a new command spoils.
 struct Auto {
   static constexpr const char* name = "auto";
-  double rtol = 1e-9, atol = 1e-12;
+  double rtol = 1e-9, atol = 1e-15;
 
-  static constexpr void describe(auto& p, auto&& field) { Cvode::describe(p, field); }
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.rtol, Field{"rtol", "", 1e-15, 1e-2, "error of a step, relative to the quaternion and to the largest momentum"});
+    field(p.atol, Field{"atol", "", 1e-20, 1e-2, "error of a step, of quaternion and momentum (N m s)"});
+  }
 };
 
 using Integrator = std::variant<Cvode, Rk4, Auto>;
@@ -98,8 +101,9 @@ struct DormandPrince {
       71. / 57600, 0, -71. / 16695, 71. / 1920, -17253. / 339200, 22. / 525, -1. / 40};
 };
 
-/// One step of order 5 from y to `end`, both of n <= N elements.
-/// @return the largest estimated error of an element, in units of atol + rtol |y|; above 1 the step is too long
+/// One step of order 5 from y to `end`, both of n <= N elements: four of attitude, then momenta.
+/// @return the largest estimated error of an element, in units of atol + rtol (largest of its kind); above 1 the step is
+///         too long
 template <int N, class F>
 double pair_step(const Auto& tolerance, const F& rhs, double t, double h, int n, const double* y,
                  double* end) noexcept {
@@ -114,11 +118,15 @@ double pair_step(const Auto& tolerance, const F& rhs, double t, double h, int n,
     }
     rhs(t + Pair::node[s] * h, end, k[s].data());
   }
-  double worst = 0;
+  double worst = 0, attitude = 0, momentum = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    double& largest = i < 4 ? attitude : momentum;
+    largest = std::max(largest, std::abs(y[i]));
+  }
   for (std::size_t i = 0; i < size; ++i) {
     double error = 0;
     for (std::size_t s = 0; s < Pair::stages; ++s) error += Pair::error[s] * k[s][i];
-    worst = std::max(worst, std::abs(h * error) / (tolerance.atol + tolerance.rtol * std::abs(y[i])));
+    worst = std::max(worst, std::abs(h * error) / (tolerance.atol + tolerance.rtol * (i < 4 ? attitude : momentum)));
   }
   return worst;
 }
@@ -138,6 +146,7 @@ class CvodeSolver {
   /// @throws IntegrationError
   void advance(Rhs rhs, const void* context, double t_end, double* y);
   IntegratorStatistics statistics() const;
+  std::uint64_t steps() const noexcept;
 
  private:
   struct Memory;

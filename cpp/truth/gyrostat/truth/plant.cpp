@@ -71,6 +71,7 @@ Plant::Plant(PlantModel model, const InitialState& initial, double dt)
   for (std::size_t j = 0; j < body_.friction_wheels.size(); ++j) {
     friction_index_[static_cast<std::size_t>(body_.friction_wheels[j].actuator)] = static_cast<int>(j);
   }
+  counted_ = friction_index_;
 
   const Vec3<double> H_B = body_.J_B * initial.omega_BN_B + torque<double>(body_.D_B, stored_);
   if (model.coordinates == Coordinates::euler_angles) {
@@ -114,12 +115,12 @@ void Plant::advance_to(const VecN<double>& u, double t_end) {
   actuators_.command(u);
   commanded_ = true;
   if (restart_each_sample_) restart_ = true;
-  steps_before_ = statistics().steps;
+  steps_before_ = steps();
   while (t_ < t_end) {
     const double stop = piece_end_ < t_end - snap ? piece_end_ : t_end;
     while (t_ < stop) {
       step_towards(stop);
-      limit_work(t_);
+      if (t_ < t_end) limit_work(t_);
     }
     if (t_ < t_end) {
       publish();
@@ -131,7 +132,7 @@ void Plant::advance_to(const VecN<double>& u, double t_end) {
 }
 
 void Plant::limit_work(double t) const {
-  if (statistics().steps - steps_before_ > most_steps) {
+  if (steps() - steps_before_ > most_steps) {
     throw IntegrationError(t, "a sample takes more than " + std::to_string(most_steps) + " steps");
   }
 }
@@ -154,8 +155,8 @@ void Plant::enter_piece() {
 void Plant::step_towards(double stop) {
   double t1 = actuators_.all_constant() ? stop : smooth_end(stop);
   pieces_ = least_steps(t1 - t_);
-  if (rk4_substeps_ > 0 && looks_ahead()) {  // a step at a time
-    t1 = t_ + (t1 - t_) / rk4_steps(t1 - t_);
+  if (looks_ahead()) {  // a step at a time
+    if (rk4_substeps_ > 0) t1 = t_ + (t1 - t_) / rk4_steps(t1 - t_);
     pieces_ = 1;
   }
   length_ = t1 - t_;
@@ -222,7 +223,7 @@ void Plant::fit_delivered(double t1) noexcept {
   }
 }
 
-/// The momentum that the actuators hold, as polynomials of the present piece. That of standing wheels is the body's.
+/// The momentum that the actuators hold, as polynomials of the present piece.
 void Plant::set_exchange() noexcept {
   const double length = length_, per_length = 1 / length;
   const auto powers = static_cast<std::size_t>(degree_ + 2);
@@ -242,12 +243,11 @@ void Plant::set_exchange() noexcept {
                                      -length * c[2] / 3, -length * c[3] / 4};
     if (const int j = friction_index_[static_cast<std::size_t>(i)]; j >= 0) {
       Exchange::FrictionWheel& wheel = exchange_.friction_wheels[static_cast<std::size_t>(j)];
-      wheel.counts = turning(i) ? 1 : 0;
+      wheel.counts = counted_[static_cast<std::size_t>(i)] < 0 ? 0 : 1;
       wheel.viscous = standing_.test(i) ? 0 : actuators_.actuators().viscous_friction[i];
       reset(wheel.momentum, 0.0);
       wheel.momentum.c = held;
     }
-    if (standing_.test(i)) continue;
     const Vec3<double> g = body_.D_B.col(i);
     const bool torquer = mixed && !actuators_.actuators().is_wheel(i);
     for (std::size_t k = 0; k < powers; ++k) {
@@ -419,9 +419,16 @@ IntegratorStatistics Plant::statistics() const {
 void Plant::publish() {
   q_NB_ = euler_body_ ? quat_from_euler<double>({y_[0], y_[1], y_[2]})
                       : Quat<double>(y_[0], y_[1], y_[2], y_[3]).normalized();
-  omega_BN_B_ = rate(0, y_);
+  Vec3<double> Jw{y_[4], y_[5], y_[6]};
   for (int i = 0; i < actuators_.size(); ++i) {
-    if (actuators_.actuators().is_wheel(i)) h_w_[i] = momentum(i, 0, y_, omega_BN_B_);
+    const double h = momentum(i);
+    Jw -= h * body_.D_B.col(i);
+    if (actuators_.actuators().is_wheel(i)) h_w_[i] = h;
+  }
+  omega_BN_B_ = exchange_.J_B_inverse * Jw;
+  if (!standing_.any()) return;
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (standing_.test(i)) h_w_[i] = turned_momentum(i, omega_BN_B_);
   }
 }
 

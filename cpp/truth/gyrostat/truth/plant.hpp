@@ -85,9 +85,15 @@ class Plant {
   /// Wheels that are no longer what they were when the piece began, and why.
   struct Passed {
     Mask stopped, filled, loosened;
-    bool any() const noexcept { return (stopped | filled | loosened).any(); }
+    double by = -infinity;  ///< the furthest that any is beyond its bound, relative
+
+    void look(Mask& why, int i, double beyond) noexcept {
+      why.set(i, beyond > 0);
+      by = beyond > by ? beyond : by;
+    }
   };
 
+  std::uint64_t steps() const noexcept { return cvode_ ? cvode_->steps() : statistics_.steps; }
   void limit_work(double t) const;
   void enter_piece();
   void step_towards(double stop);
@@ -120,6 +126,12 @@ class Plant {
   void take_up_storage(double x) noexcept;
   void publish();
 
+  /// N m s now, of wheel i without what turns with the body when it stands; the impulse that torquer i has given away.
+  double momentum(int i) const noexcept {
+    const int j = counted_[static_cast<std::size_t>(i)];
+    const double taken = j < 0 ? 0.0 : y_[static_cast<std::size_t>(Body::rigid_states + j)];
+    return stored_[i] + stored_rest_[i] + taken;
+  }
   // At (t - t_) / length_ = x of the present piece, in state y.
   double momentum(int i, double x, const State& y, const Vec3<double>& omega_BN_B) const noexcept;
   Vec3<double> rate(double x, const State& y) const noexcept;
@@ -127,8 +139,9 @@ class Plant {
 
   double turned_momentum(int i, const Vec3<double>& omega_BN_B) const noexcept;
   double speed(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept;
+  double speed_parts(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept;
   double friction(int i, double speed) const noexcept;
-  bool comes_off(int i, int side, double drive, double speed, double margin) const noexcept;
+  double inward(int i, int side, double drive, double speed) const noexcept;
   bool turning(int i) const noexcept { return !full_.test(i) && !standing_.test(i); }
   Motion motion() const noexcept { return {body_, external_, exchange_}; }
 
@@ -153,13 +166,14 @@ class Plant {
   double length_ = 0;  ///< s, of the present piece, which begins at t_
   double pieces_ = 0;  ///< what it counts for in the statistics
   State y_{};
-  VecN<double> stored_;       ///< h_w of wheels without what viscous friction took, p of torquers
+  VecN<double> stored_;       ///< h_w of turning and full wheels without what viscous friction took, p of torquers
   VecN<double> stored_rest_;  ///< what rounding kept out of stored_ (compensated summation)
   int degree_ = 0;
   std::array<Cubic, max_actuators> delivered_{};  ///< N m, in (t - t_) / length_, without viscous friction
   std::array<Cubic, max_actuators> drive_{};      ///< of watched wheels, also without dry friction and momentum limit
   Exchange exchange_;
   std::array<int, max_actuators> friction_index_{};  ///< into the friction states; -1: none
+  std::array<int, max_actuators> counted_{};         ///< the same; -1 also while what friction takes is no part of h_w
 
   // Wheels with a momentum limit or dry friction. On a piece each of them turns, or
   Mask watched_;

@@ -11,9 +11,10 @@ namespace gyrostat::truth {
 namespace {
 
 constexpr double at_rest = 1e-13;     // of the parts of a speed: it is zero
-constexpr double beyond = 1e-12;      // relative, of a momentum or torque that has passed its bound
+constexpr double rounding = 1e-12;    // relative, of a momentum or torque beyond its bound
 constexpr double moving = 1e-9;       // of the parts of a full wheel's speed: its direction is known
-constexpr double resolution = 1e-12;  // s, of the times at which something ends
+constexpr double resolution = 1e-12;  // s, of the times at which something ends,
+constexpr double small = 1e-11;       // or how far, relative, a bound may then have been passed
 
 int sign(double x) noexcept { return x > 0 ? 1 : (x < 0 ? -1 : 0); }
 
@@ -26,10 +27,10 @@ double Plant::turned_momentum(int i, const Vec3<double>& omega_BN_B) const noexc
   return actuators_.actuators().wheel_inertia[i] * body_.D_B.col(i).dot(omega_BN_B);
 }
 
-/// N m s, of wheel i, friction included; the impulse that torquer i has given away.
+/// N m s, of wheel i, all of it; the impulse that torquer i has given away.
 double Plant::momentum(int i, double x, const State& y, const Vec3<double>& omega_BN_B) const noexcept {
   if (standing_.test(i)) return turned_momentum(i, omega_BN_B);
-  const int j = full_.test(i) ? -1 : friction_index_[static_cast<std::size_t>(i)];
+  const int j = counted_[static_cast<std::size_t>(i)];
   const double taken = j < 0 ? 0.0 : y[static_cast<std::size_t>(Body::rigid_states + j)];
   return stored_[i] + stored_rest_[i] - length_ * integral(delivered_[static_cast<std::size_t>(i)], x) + taken;
 }
@@ -38,6 +39,11 @@ double Plant::momentum(int i, double x, const State& y, const Vec3<double>& omeg
 double Plant::speed(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept {
   const double inertia = actuators_.actuators().wheel_inertia[i];
   return inertia > 0 ? momentum / inertia - body_.D_B.col(i).dot(omega_BN_B) : 0.0;
+}
+
+/// rad/s, sum of the two parts of that.
+double Plant::speed_parts(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept {
+  return std::abs(momentum) / actuators_.actuators().wheel_inertia[i] + std::abs(body_.D_B.col(i).dot(omega_BN_B));
 }
 
 /// N m on the body, of the bearing of a turning wheel.
@@ -70,14 +76,15 @@ Vec3<double> Plant::moment(double x, const State& y, const Vec3<double>& omega_B
   return sum + external_.torque_B(t_ + x * length_, q_NB, omega_BN_B) - omega_BN_B.cross(rotating);
 }
 
-/// Whether a wheel at a limit leaves it. Dry friction holds a wheel at rest back.
+/// What takes a wheel at a limit off it, relative to all torques in it. Dry friction holds a wheel at rest back.
 /// @param side  sign of the momentum; zero at a limit of zero, which is never left
-bool Plant::comes_off(int i, int side, double drive, double speed, double margin) const noexcept {
+double Plant::inward(int i, int side, double drive, double speed) const noexcept {
+  if (side == 0) return -1;
   const Actuators& a = actuators_.actuators();
   const int direction = direction_[static_cast<std::size_t>(i)];
   const double dry = a.coulomb_friction[i], viscous = a.viscous_friction[i] * speed;
-  const double inward = side * (drive + viscous) + (direction == 0 ? -dry : side * direction * dry);
-  return side != 0 && inward > margin * (std::abs(drive) + std::abs(viscous) + dry);
+  const double torque = side * (drive + viscous) + (direction == 0 ? -dry : side * direction * dry);
+  return torque == 0 ? 0 : torque / (std::abs(drive) + std::abs(viscous) + dry);
 }
 
 // ---- what they do on a piece -------------------------------------------------------------------------------------------
@@ -88,30 +95,30 @@ void Plant::settle_wheels() noexcept {
   const Actuators& a = actuators_.actuators();
   const Vec3<double> w = looks_ahead() ? rate(0, y_) : omega_BN_B_;
   const bool stood = standing_.any();
-  Mask resting;
   for (int i = 0; i < actuators_.size(); ++i) {
     if (!watched_.test(i)) continue;
     const auto index = static_cast<std::size_t>(i);
     const double h = momentum(i, 0, y_, w), limit = a.momentum_max[i], dry = a.coulomb_friction[i];
-    const double v = speed(i, h, w), parts = std::abs(h) / a.wheel_inertia[i] + std::abs(body_.D_B.col(i).dot(w));
+    const double v = speed(i, h, w), parts = speed_parts(i, h, w);
     drive_[index] = delivered_[index];
     direction_[index] = passed_.stopped.test(i) || std::abs(v) <= at_rest * parts ? 0 : sign(v);
     const bool at_limit = passed_.filled.test(i) || std::abs(h) >= limit;
-    const bool full = at_limit && !comes_off(i, sign(h), drive_[index][0], v, 0);
+    const bool full = at_limit && !(inward(i, sign(h), drive_[index][0], v) > 0);
     const bool rests = !full && dry > 0 && direction_[index] == 0;
     const bool turned = turning(i), was_full = full_.test(i);
     full_.set(i, full);
     standing_.set(i, rests);
-    resting.set(i, rests);
     if (full) {
       if (!was_full) store(i, sign(h) * limit);
       delivered_[index] = {};
-    } else if (!rests) {
+    } else if (rests) {
+      store(i, 0);
+    } else {
       if (!turned) store(i, h);
       delivered_[index][0] += dry * direction_[index];
     }
   }
-  if (stood || resting.any()) settle_standing();
+  if (stood || standing_.any()) settle_standing();
 }
 
 /// Which of the wheels at rest in their bearings stay there; the others begin to turn.
@@ -151,9 +158,10 @@ void Plant::add_standing_inertia() noexcept {
   exchange_.J_B_inverse = J.inverse();
 }
 
-/// Gives a wheel this momentum, beside what viscous friction has taken.
+/// Gives a wheel this momentum, beside what turns with the body when it stands.
 void Plant::store(int i, double momentum) noexcept {
-  const int j = full_.test(i) ? -1 : friction_index_[static_cast<std::size_t>(i)];
+  const auto index = static_cast<std::size_t>(i);
+  const int j = counted_[index] = turning(i) ? friction_index_[index] : -1;
   const double taken = j < 0 ? 0.0 : y_[static_cast<std::size_t>(Body::rigid_states + j)];
   stored_[i] = momentum - taken;
   stored_rest_[i] = momentum - stored_[i] - taken;
@@ -172,20 +180,21 @@ Plant::Passed Plant::passed(double t, const State& y) const noexcept {
     if (!watched_.test(i)) continue;
     const auto index = static_cast<std::size_t>(i);
     const double h = momentum(i, x, y, w), limit = a.momentum_max[i], dry = a.coulomb_friction[i];
-    const double drive = value(drive_[index], x), v = speed(i, h, w);
-    const double parts = std::abs(h) / a.wheel_inertia[i] + std::abs(body_.D_B.col(i).dot(w));
+    const double drive = value(drive_[index], x), v = speed(i, h, w), parts = speed_parts(i, h, w);
     const int direction = direction_[index];
     if (full_.test(i)) {
-      const bool turns = dry > 0 && (direction == 0 ? std::abs(v) > moving * parts : direction * v < -at_rest * parts);
-      out.loosened.set(i, limit > 0 && (turns || comes_off(i, sign(h), drive, v, beyond)));
+      if (limit == 0) continue;
+      out.look(out.loosened, i, inward(i, sign(h), drive, v) - rounding);
+      const double turned = direction == 0 ? std::abs(v) / parts - moving : -direction * v / parts - at_rest;
+      if (dry > 0 && turned > 0) out.look(out.loosened, i, turned);
       continue;
     }
-    out.filled.set(i, std::abs(h) > limit * (1 + beyond));
+    out.look(out.filled, i, std::abs(h) / limit - 1 - rounding);
     if (standing_.test(i)) {
-      const double needed = drive + turned_momentum(i, turn);
-      out.loosened.set(i, std::abs(needed) > dry + beyond * (dry + std::abs(drive)));
-    } else {
-      out.stopped.set(i, dry > 0 && direction * v < -at_rest * parts);
+      const double needed = std::abs(drive + turned_momentum(i, turn));
+      out.look(out.loosened, i, (needed - dry) / (std::abs(drive) + dry) - rounding);
+    } else if (dry > 0) {
+      out.look(out.stopped, i, -direction * v / parts - at_rest);
     }
   }
   return out;
@@ -198,12 +207,13 @@ double Plant::integrate_watching(double t1) {
   double reached = t1;
   if (looks_ahead()) reached = look_ahead(t1, end);
   passed_ = passed(reached, end);
-  if (passed_.any()) {
+  if (passed_.by > 0) {
     const auto passed_at = [&](double t) {
       if (looks_ahead()) single_step(t, end);
       return passed(t, end);
     };
-    reached = bisect(t_, reached, resolution, [&](double t) { return passed_at(t).any(); });
+    const double by_now = std::min(passed(t_, y_).by, 0.0);
+    reached = first_positive(t_, by_now, reached, passed_.by, resolution, small, [&](double t) { return passed_at(t).by; });
     reached = std::max(reached, std::min(t1, t_ + resolution + 1e-15 * t_));  // CVODE needs as much to start
     passed_ = passed_at(reached);
   }
