@@ -127,7 +127,8 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
                   "status"_a = end_name(result.end.code), "cause"_a = result.end.cause, "end_time"_a = result.end.time,
                   "statistics"_a = py::dict("steps"_a = result.statistics.steps,
                                             "rhs_evaluations"_a = result.statistics.rhs_evaluations,
-                                            "restarts"_a = result.statistics.restarts));
+                                            "restarts"_a = result.statistics.restarts,
+                                            "pieces"_a = result.statistics.pieces));
 }
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;

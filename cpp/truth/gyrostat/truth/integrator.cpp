@@ -12,7 +12,7 @@
 namespace gyrostat::truth {
 namespace {
 
-constexpr long max_steps = 1'000'000;  // of one advance: ends a run that would creep for ever
+constexpr long max_steps = 200'000;  // of one advance: ends a run that would creep for ever
 
 /// The corrector iterates to this fraction of the error test. CVODE's own 0.1 lets the iteration's error add up over a
 /// long free run: ours halves the error at the end and needs fewer steps.

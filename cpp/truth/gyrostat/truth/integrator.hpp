@@ -35,7 +35,7 @@ struct Rk4 {
   int substeps = 1;
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.substeps, Field{"substeps", "", 1, 1e6, "steps a sample, at least"});
+    field(p.substeps, Field{"substeps", "", 1, 1e5, "steps a sample, at least"});
   }
 };
 
@@ -45,7 +45,8 @@ struct Auto {
   double rtol = 1e-9, atol = 1e-15;
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.rtol, Field{"rtol", "", 1e-15, 1e-2, "error of a step, relative to the quaternion and to the largest momentum"});
+    field(p.rtol,
+          Field{"rtol", "", 1e-15, 1e-2, "error of a step, relative to the quaternion and to the largest momentum"});
     field(p.atol, Field{"atol", "", 1e-20, 1e-2, "error of a step, of quaternion and momentum (N m s)"});
   }
 };
@@ -97,8 +98,8 @@ struct DormandPrince {
        {19372. / 6561, -25360. / 2187, 64448. / 6561, -212. / 729},
        {9017. / 3168, -355. / 33, 46732. / 5247, 49. / 176, -5103. / 18656},
        {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}}};
-  static constexpr std::array<double, stages> error{
-      71. / 57600, 0, -71. / 16695, 71. / 1920, -17253. / 339200, 22. / 525, -1. / 40};
+  static constexpr std::array<double, stages> error{71. / 57600,      0,         -71. / 16695, 71. / 1920,
+                                                    -17253. / 339200, 22. / 525, -1. / 40};
 };
 
 /// One step of order 5 from y to `end`, both of n <= N elements: four of attitude, then momenta.

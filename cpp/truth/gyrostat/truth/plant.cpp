@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "gyrostat/core/attitude.hpp"
 
@@ -16,8 +17,8 @@ constexpr double snap = 1e-9;  // s, switches this close are simultaneous
 constexpr double longest_angle = 0.05;
 constexpr double shortest_piece = 1e-6;  // s, however fast a law is
 
-constexpr std::uint64_t most_steps = 2'000'000;  // of a sample
-constexpr double most_time_constants = 1000;     // of the truth in a sample
+constexpr std::uint64_t most_steps = 200'000;  // of a sample
+constexpr double most_time_constants = 1000;   // of the truth in a sample
 
 template <auto derivative, class Context>
 void call(double t, const double* y, double* ydot, const void* context) noexcept {
@@ -38,6 +39,25 @@ void normalise(double* q) noexcept {
 
 void refuse_if(bool wrong, const char* why) {
   if (wrong) throw std::invalid_argument(why);
+}
+
+std::string text(double x) {
+  std::array<char, 32> out{};
+  std::snprintf(out.data(), out.size(), "%.3g", x);
+  return out.data();
+}
+
+void refuse_quick_bearings(const Body& body, double dt) {
+  if (body.friction_rate * dt <= most_time_constants) return;
+  const auto quicker = [](const Body::FrictionWheel& a, const Body::FrictionWheel& b) {
+    return a.viscous / a.inertia < b.viscous / b.inertia;
+  };
+  const auto quickest = std::max_element(body.friction_wheels.begin(), body.friction_wheels.end(), quicker);
+  throw std::invalid_argument("plant: viscous_friction = " + text(quickest->viscous) +
+                              " N m s stops the wheel of actuator " + std::to_string(quickest->actuator) + " (" +
+                              text(quickest->inertia) + " kg m^2) in " + text(1 / body.friction_rate) +
+                              " s; nothing quicker than a thousandth of the period, " + text(dt / most_time_constants) +
+                              " s, can be integrated");
 }
 
 }  // namespace
@@ -63,8 +83,7 @@ Plant::Plant(PlantModel model, const InitialState& initial, double dt)
     refuse_if(std::abs(stored_[i]) > a.momentum_max[i], "plant: a wheel starts beyond its momentum_max");
     watched_.set(i, a.is_wheel(i) && (std::isfinite(a.momentum_max[i]) || a.coulomb_friction[i] > 0));
   }
-  refuse_if(!(body_.friction_rate * dt <= most_time_constants),
-            "plant: viscous_friction stops a wheel more than 1000 times in a sample; no such bearing can be integrated");
+  refuse_quick_bearings(body_, dt);
   stored_rest_ = VecN<double>::Zero(n);
   h_w_ = VecN<double>::Zero(n);
   friction_index_.fill(-1);
@@ -286,13 +305,15 @@ void Plant::take_up_storage(double x) noexcept {
 /// precession of what it holds, of viscous friction. An explicit method is stable up to about five times that.
 /// @throws IntegrationError when they are so many that no method gets through a sample
 double Plant::least_steps(double length) const {
-  const double held2 = y_[4] * y_[4] + y_[5] * y_[5] + y_[6] * y_[6];
-  const double w2 = omega_BN_B_.squaredNorm() + held2 * inverse_inertia_ * inverse_inertia_;
+  Vec3<double> held{y_[4], y_[5], y_[6]};  // what turns with the body
+  if (body_.kind != Body::Kind::wheels) held = body_.J_B * omega_BN_B_ + torque<double>(body_.D_B, h_w_);
+  const double w2 = omega_BN_B_.squaredNorm() + held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
   const double friction = body_.friction_rate;
   if (length * length * (2 * w2 + friction * friction) <= 0.125) return 1;  // then also the sum below is at most 1
   const double rate = std::sqrt(2 * w2) + friction;
   if (rate * dt_ > most_time_constants) {
-    throw IntegrationError(t_, "the truth goes through more than 1000 of its time constants in a sample");
+    throw IntegrationError(
+        t_, "turning, precession and friction act at " + text(rate) + " 1/s, more than 1000 times in a sample,");
   }
   return std::isfinite(rate) ? std::max(1.0, std::ceil(2 * length * rate)) : 1.0;
 }

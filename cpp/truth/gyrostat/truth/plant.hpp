@@ -60,7 +60,7 @@ class Plant {
   /// @throws std::invalid_argument with one line that says what does not fit
   Plant(PlantModel model, const InitialState& initial, double dt);
 
-  /// Holds the command u (N m, one an actuator) from this sample to the next. Takes at most a million steps.
+  /// Holds the command u (N m, one an actuator) from this sample to the next. Takes at most 200 000 steps.
   /// @throws IntegrationError, NonFiniteState, std::invalid_argument when u has the wrong length
   void advance(const VecN<double>& u);
   /// Holds u to any time not before the present one, in one interval. `advance` then goes on to the next sample.
@@ -163,8 +163,8 @@ class Plant {
   bool restart_ = true;   ///< the right-hand side jumped
   bool commanded_ = false;
   std::uint64_t steps_before_ = 0;  ///< when the sample began
-  double length_ = 0;  ///< s, of the present piece, which begins at t_
-  double pieces_ = 0;  ///< what it counts for in the statistics
+  double length_ = 0;               ///< s, of the present piece, which begins at t_
+  double pieces_ = 0;               ///< what it counts for in the statistics
   State y_{};
   VecN<double> stored_;       ///< h_w of turning and full wheels without what viscous friction took, p of torquers
   VecN<double> stored_rest_;  ///< what rounding kept out of stored_ (compensated summation)

@@ -129,8 +129,8 @@ void Plant::settle_standing() noexcept {
   Standstill at_rest_now;
   for (int i = 0; i < actuators_.size(); ++i) {
     if (!standing_.test(i)) continue;
-    at_rest_now.add({i, body_.D_B.col(i), a.wheel_inertia[i], drive_[static_cast<std::size_t>(i)][0],
-                     a.coulomb_friction[i]});
+    at_rest_now.add(
+        {i, body_.D_B.col(i), a.wheel_inertia[i], drive_[static_cast<std::size_t>(i)][0], a.coulomb_friction[i]});
   }
   at_rest_now.settle(body_.J_B, moment(0, y_, w));
   for (int k = 0; k < at_rest_now.count; ++k) {
@@ -213,7 +213,8 @@ double Plant::integrate_watching(double t1) {
       return passed(t, end);
     };
     const double by_now = std::min(passed(t_, y_).by, 0.0);
-    reached = first_positive(t_, by_now, reached, passed_.by, resolution, small, [&](double t) { return passed_at(t).by; });
+    reached =
+        first_positive(t_, by_now, reached, passed_.by, resolution, small, [&](double t) { return passed_at(t).by; });
     reached = std::max(reached, std::min(t1, t_ + resolution + 1e-15 * t_));  // CVODE needs as much to start
     passed_ = passed_at(reached);
   }
