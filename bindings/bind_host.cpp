@@ -135,7 +135,8 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
                   "end_time"_a = result.end.time,
                   "statistics"_a = py::dict("steps"_a = result.statistics.steps,
                                             "rhs_evaluations"_a = result.statistics.rhs_evaluations,
-                                            "restarts"_a = result.statistics.restarts, "samples"_a = result.end.samples,
+                                            "restarts"_a = result.statistics.restarts,
+                                            "pieces"_a = result.statistics.pieces, "samples"_a = result.end.samples,
                                             "held_samples"_a = result.end.held));
 }
 

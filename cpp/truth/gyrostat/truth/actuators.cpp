@@ -97,7 +97,6 @@ std::string Actuators::check() const {
         check_sign("coulomb_friction", coulomb_friction), check_sign("momentum_max", momentum_max)}) {
     if (!error.empty()) return error;
   }
-  if (!(coulomb_width > 0)) return "actuators: coulomb_width must be positive";
   for (int i = 0; i < n; ++i) {
     const std::string who = "actuator " + std::to_string(i) + ": ";
     if (!(u_lo[i] <= u_up[i])) return who + "u_min must not exceed u_max";
@@ -199,16 +198,16 @@ Effect FaultyActuators::effect(int i, double t) const noexcept {
   return effect;
 }
 
-double FaultyActuators::unlimited(int i, double t) const noexcept {
+double FaultyActuators::delivered(int i, double t) const noexcept {
   const Effect e = effect(i, t);
-  return e.effectiveness * u_[i] + e.bias;
+  return limited_output(i, e.effectiveness * u_[i] + e.bias);
 }
 
-double FaultyActuators::delivered(int i, double t) const noexcept { return limited_output(i, unlimited(i, t)); }
-
 int FaultyActuators::limit_side(int i, double t) const noexcept {
-  const double torque = unlimited(i, t);
-  return torque < actuators_.u_lo[i] ? -1 : (torque > actuators_.u_up[i] ? 1 : 0);
+  const Effect e = effect(i, t);
+  const double commanded = e.effectiveness * u_[i], torque = commanded + e.bias;
+  const double rounding = 1e-12 * (std::abs(commanded) + std::abs(e.bias));
+  return torque < actuators_.u_lo[i] - rounding ? -1 : (torque > actuators_.u_up[i] + rounding ? 1 : 0);
 }
 
 }  // namespace gyrostat::truth

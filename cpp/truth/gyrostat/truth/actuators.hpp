@@ -21,8 +21,7 @@ struct Actuators {
   LimitOn limit_on = LimitOn::command;
   VecN<double> wheel_inertia;     ///< kg m^2 about the spin axis; 0: an ideal torquer, which stores no momentum
   VecN<double> viscous_friction;  ///< N m s/rad, of the wheel speed relative to the body
-  VecN<double> coulomb_friction;  ///< N m, magnitude of dry friction
-  double coulomb_width = 0.1;     ///< rad/s, dry friction is coulomb_friction tanh(speed / coulomb_width)
+  VecN<double> coulomb_friction;  ///< N m, magnitude of dry friction; at standstill it takes what is needed, up to that
   VecN<double> momentum_max;      ///< N m s, |h_w|; infinite when there is no limit
 
   /// n ideal torquers without limits.
@@ -68,7 +67,8 @@ class FaultyActuators {
   double delivered(int i, double t) const noexcept;
   /// The same for a constant law, where it costs nothing.
   double constant_delivered(int i) const noexcept { return constant_delivered_[i]; }
-  /// Which side of its output limit actuator i's unlimited output is on: -1 below, 0 inside, 1 above.
+  /// Which side of its output limit actuator i's unlimited output is on: -1 below, 0 inside, 1 above. Beyond begins at a
+  /// relative 1e-12, lest an output that slides along its limit seem to cross it at every rounding.
   int limit_side(int i, double t) const noexcept;
 
  private:
@@ -80,7 +80,6 @@ class FaultyActuators {
   };
   Effect combine(int i, double t) const noexcept;
   void deliver_constants() noexcept;
-  double unlimited(int i, double t) const noexcept;
   double limited_output(int i, double torque) const noexcept;
 
   Actuators actuators_;

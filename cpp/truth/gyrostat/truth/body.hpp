@@ -9,12 +9,14 @@
 ///     w = J^-1 (H_B - D_wheels h_w - D_torquers p),   q_NB' = 1/2 q_NB (0, w)
 ///
 /// Under a held command h_w and p are known functions of time, so that a new command or a fault is no discontinuity
-/// of the right-hand side. Bearing friction depends on wheel speed: what it has taken out of each such wheel is a state.
+/// of the right-hand side. Viscous friction depends on wheel speed: what it has taken out of each such wheel is a state.
+/// Dry friction is constant while the wheel turns one way, and so part of the known exchange. A wheel that stands still
+/// in its bearing turns with the body: its inertia is the body's, w = (J + Js g g')^-1 (H_B less all others). A wheel that is full
+/// has constant momentum. All three leave w and the speed of the wheel continuous: what changes is a slope, as at a command.
 ///
-///     y = [ q_NB (w, x, y, z), H_B, one friction momentum for each wheel with friction ]
+///     y = [ q_NB (w, x, y, z), H_B, momentum that viscous friction took, one for each wheel with friction ]
 #pragma once
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "gyrostat/truth/actuators.hpp"
@@ -29,19 +31,14 @@ class Body {
   struct FrictionWheel {
     int actuator;
     Vec3<double> axis_B;
-    double inertia, viscous, coulomb, coulomb_width;
-
-    /// N m on the body along the axis, at a wheel speed relative to the body (rad/s).
-    double friction(double speed) const noexcept {
-      return viscous * speed + coulomb * std::tanh(speed / coulomb_width);
-    }
+    double inertia, viscous;
   };
   enum class Kind : std::uint8_t { torquers, wheels, mixed };
 
   /// @throws std::invalid_argument unless J_B is symmetric and positive definite and D_B has one column an actuator
   Body(const Mat3<double>& J_B, const Mat3N<double>& D_B, const Actuators& actuators);
 
-  static constexpr int rigid_states = 7;
+  static constexpr int rigid_states = 7, max_states = rigid_states + max_actuators;
   int states() const noexcept { return rigid_states + static_cast<int>(friction_wheels.size()); }
 
   Mat3<double> J_B, J_B_inverse;
@@ -49,6 +46,7 @@ class Body {
   Mat3N<double> D_B;
   Kind kind;
   std::vector<FrictionWheel> friction_wheels;
+  double friction_rate = 0;  ///< 1/s, at which the quickest speed dies out in viscous friction
 };
 
 /// A polynomial of time of degree at most 4, for t in [t0, t0 + 1 / per_length].
@@ -67,9 +65,16 @@ struct Quartic {
 
 /// What the actuators do on one smooth piece of time.
 struct Exchange {
-  Quartic<Vec3<double>> stored_B;    ///< D_wheels h_w + D_torquers p, without what friction took
+  Quartic<Vec3<double>> stored_B;    ///< D_wheels h_w + D_torquers p, without what viscous friction took
   Quartic<Vec3<double>> torquers_B;  ///< D_torquers p; used by mixed vehicles only
-  std::array<Quartic<double>, max_actuators> friction_wheel_momentum;  ///< h_w of each friction wheel, without friction
+  Mat3<double> J_B_inverse;          ///< of the body and the wheels that stand still in their bearings
+
+  struct FrictionWheel {
+    Quartic<double> momentum;  ///< h_w, without what viscous friction took
+    double counts = 1;         ///< 0 for a wheel that stands or is full: what friction takes is no part of its h_w
+    double viscous = 0;        ///< N m s; 0 for a wheel that stands
+  };
+  std::array<FrictionWheel, max_actuators> friction_wheels;
 };
 
 /// All that the right-hand side needs.
@@ -79,13 +84,14 @@ struct Motion {
   const Exchange& exchange;
 };
 
-/// J w at time t and state y.
+/// J w at time t and state y, where J is that of J_B_inverse.
 template <bool friction>
 Vec3<double> body_momentum_B(const Motion& m, double t, const double* y) noexcept {
   Vec3<double> Jw = Vec3<double>{y[4], y[5], y[6]} - m.exchange.stored_B(t);
   if constexpr (friction) {
-    const double* taken = y + Body::rigid_states;
-    for (const Body::FrictionWheel& wheel : m.body.friction_wheels) Jw -= *taken++ * wheel.axis_B;
+    for (std::size_t j = 0; j < m.body.friction_wheels.size(); ++j) {
+      Jw -= m.exchange.friction_wheels[j].counts * y[Body::rigid_states + j] * m.body.friction_wheels[j].axis_B;
+    }
   }
   return Jw;
 }
@@ -95,7 +101,7 @@ Vec3<double> body_momentum_B(const Motion& m, double t, const double* y) noexcep
 template <bool friction, bool varying>
 [[gnu::always_inline]] inline void derivative(const Motion& m, double t, const double* y, double* ydot) noexcept {
   const Vec3<double> Jw = body_momentum_B<friction>(m, t, y);
-  const Vec3<double> w = m.body.J_B_inverse * Jw;
+  const Vec3<double> w = (friction ? m.exchange.J_B_inverse : m.body.J_B_inverse) * Jw;
   const double a = 0.5 * y[0], b = 0.5 * y[1], c = 0.5 * y[2], d = 0.5 * y[3];
   ydot[0] = -b * w[0] - c * w[1] - d * w[2];
   ydot[1] = a * w[0] + c * w[2] - d * w[1];
@@ -115,8 +121,9 @@ template <bool friction, bool varying>
   if constexpr (friction) {
     for (std::size_t j = 0; j < m.body.friction_wheels.size(); ++j) {
       const Body::FrictionWheel& wheel = m.body.friction_wheels[j];
-      const double h = m.exchange.friction_wheel_momentum[j](t) + y[Body::rigid_states + j];
-      ydot[Body::rigid_states + j] = -wheel.friction(h / wheel.inertia - wheel.axis_B.dot(w));
+      const Exchange::FrictionWheel& now = m.exchange.friction_wheels[j];
+      const double h = now.momentum(t) + now.counts * y[Body::rigid_states + j];
+      ydot[Body::rigid_states + j] = -now.viscous * (h / wheel.inertia - wheel.axis_B.dot(w));
     }
   }
 }

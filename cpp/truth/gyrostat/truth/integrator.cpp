@@ -8,12 +8,11 @@
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #include <algorithm>
-#include <string>
 
 namespace gyrostat::truth {
 namespace {
 
-constexpr long max_steps = 10'000'000;  // of one advance: ends a run that would creep for ever
+constexpr long max_steps = 200'000;  // of one advance: ends a run that would creep for ever
 
 /// The corrector iterates to this fraction of the error test. CVODE's own 0.1 lets the iteration's error add up over a
 /// long free run: ours halves the error at the end and needs fewer steps.
@@ -38,6 +37,8 @@ void silence(void* cvode) {  // errors come back as flags, nothing is printed
 }
 #endif
 
+std::string stopped(int flag) { return "CVODE stopped (flag " + std::to_string(flag) + ")"; }
+
 struct Call {
   Rhs rhs = nullptr;
   const void* context = nullptr;
@@ -53,11 +54,8 @@ static int gyrostat_cvode_rhs(realtype t, N_Vector y, N_Vector ydot, void* user)
 }
 }
 
-IntegrationError::IntegrationError(double time_in, int flag_in)
-    : std::runtime_error("CVODE stopped at t = " + std::to_string(time_in) + " s (flag " + std::to_string(flag_in) +
-                         ")"),
-      time(time_in),
-      flag(flag_in) {}
+IntegrationError::IntegrationError(double time_in, const std::string& why)
+    : std::runtime_error(why + " at t = " + std::to_string(time_in) + " s"), time(time_in) {}
 
 struct CvodeSolver::Memory {
   SUNContext context = nullptr;
@@ -83,7 +81,7 @@ struct CvodeSolver::Memory {
     long steps = 0, evaluations = 0;
     CVodeGetNumSteps(cvode, &steps);
     CVodeGetNumRhsEvals(cvode, &evaluations);
-    return {static_cast<std::uint64_t>(steps), static_cast<std::uint64_t>(evaluations), 0};
+    return {static_cast<std::uint64_t>(steps), static_cast<std::uint64_t>(evaluations), 0, 0};
   }
 };
 
@@ -122,7 +120,7 @@ void CvodeSolver::restart(double t, const double* y) {
   ++m.before_restart.restarts;
   std::copy_n(y, m.states, NV_DATA_S(m.y));
   m.t = t;
-  if (const int flag = CVodeReInit(m.cvode, t, m.y); flag != CV_SUCCESS) throw IntegrationError(t, flag);
+  if (const int flag = CVodeReInit(m.cvode, t, m.y); flag != CV_SUCCESS) throw IntegrationError(t, stopped(flag));
 }
 
 void CvodeSolver::advance(Rhs rhs, const void* context, double t_end, double* y) {
@@ -131,14 +129,20 @@ void CvodeSolver::advance(Rhs rhs, const void* context, double t_end, double* y)
   CVodeSetStopTime(m.cvode, t_end);
   double reached = m.t;
   const int flag = CVode(m.cvode, t_end, m.y, &reached, CV_NORMAL);
-  if (flag < 0) throw IntegrationError(reached, flag);
+  if (flag < 0) throw IntegrationError(reached, stopped(flag));
   m.t = t_end;
   std::copy_n(NV_DATA_S(m.y), m.states, y);
 }
 
+std::uint64_t CvodeSolver::steps() const noexcept {
+  long now = 0;
+  CVodeGetNumSteps(memory_->cvode, &now);
+  return memory_->before_restart.steps + static_cast<std::uint64_t>(now);
+}
+
 IntegratorStatistics CvodeSolver::statistics() const {
   const IntegratorStatistics now = memory_->since_restart(), before = memory_->before_restart;
-  return {before.steps + now.steps, before.rhs_evaluations + now.rhs_evaluations, before.restarts};
+  return {before.steps + now.steps, before.rhs_evaluations + now.rhs_evaluations, before.restarts, 0};
 }
 
 }  // namespace gyrostat::truth

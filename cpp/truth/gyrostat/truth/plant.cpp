@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "gyrostat/core/attitude.hpp"
 
@@ -16,44 +17,47 @@ constexpr double snap = 1e-9;  // s, switches this close are simultaneous
 constexpr double longest_angle = 0.05;
 constexpr double shortest_piece = 1e-6;  // s, however fast a law is
 
-/// Gauss-Legendre nodes and weights on [-1, 1].
-constexpr std::array<double, 4> gauss_node{-0.861136311594052575, -0.339981043584856265, 0.339981043584856265,
-                                           0.861136311594052575};
-constexpr std::array<double, 4> gauss_weight{0.347854845137453857, 0.652145154862546143, 0.652145154862546143,
-                                             0.347854845137453857};
+constexpr std::uint64_t most_steps = 200'000;  // of a sample
+constexpr double most_time_constants = 1000;   // of the truth in a sample
 
-/// Powers of x in [0, 1] of the cubic through f at the Gauss nodes.
-std::array<double, 4> cubic_through(const std::array<double, 4>& f) noexcept {
-  std::array<double, 4> a{};  // coefficients of the shifted Legendre polynomials
-  for (std::size_t j = 0; j < 4; ++j) {
-    const double z = gauss_node[j], wf = 0.5 * gauss_weight[j] * f[j];
-    a[0] += wf;
-    a[1] += 3 * wf * z;
-    a[2] += 5 * wf * (1.5 * z * z - 0.5);
-    a[3] += 7 * wf * (2.5 * z * z - 1.5) * z;
-  }
-  return {a[0] - a[1] + a[2] - a[3], 2 * a[1] - 6 * a[2] + 12 * a[3], 6 * a[2] - 30 * a[3], 20 * a[3]};
+template <auto derivative, class Context>
+void call(double t, const double* y, double* ydot, const void* context) noexcept {
+  derivative(*static_cast<const Context*>(context), t, y, ydot);
 }
 
-double value(const std::array<double, 4>& c, double x) noexcept { return c[0] + x * (c[1] + x * (c[2] + x * c[3])); }
-/// Integral from 0 to x.
-double integral(const std::array<double, 4>& c, double x) noexcept {
-  return x * (c[0] + x * (c[1] / 2 + x * (c[2] / 3 + x * c[3] / 4)));
-}
+/// A right-hand side with its context.
+struct Call {
+  Rhs rhs;
+  const void* context;
+  void operator()(double t, const double* y, double* ydot) const noexcept { rhs(t, y, ydot, context); }
+};
 
-/// Where `beyond` turns from false at lo to true at hi, from above.
-template <class Predicate>
-double bisect(double lo, double hi, double tolerance, const Predicate& beyond) noexcept {
-  while (hi - lo > tolerance) {
-    const double mid = 0.5 * (lo + hi);
-    if (mid <= lo || mid >= hi) break;
-    (beyond(mid) ? hi : lo) = mid;
-  }
-  return hi;
+void normalise(double* q) noexcept {
+  const double shrink = 1 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (std::size_t i = 0; i < 4; ++i) q[i] *= shrink;
 }
 
 void refuse_if(bool wrong, const char* why) {
   if (wrong) throw std::invalid_argument(why);
+}
+
+std::string text(double x) {
+  std::array<char, 32> out{};
+  std::snprintf(out.data(), out.size(), "%.3g", x);
+  return out.data();
+}
+
+void refuse_quick_bearings(const Body& body, double dt) {
+  if (body.friction_rate * dt <= most_time_constants) return;
+  const auto quicker = [](const Body::FrictionWheel& a, const Body::FrictionWheel& b) {
+    return a.viscous / a.inertia < b.viscous / b.inertia;
+  };
+  const auto quickest = std::max_element(body.friction_wheels.begin(), body.friction_wheels.end(), quicker);
+  throw std::invalid_argument("plant: viscous_friction = " + text(quickest->viscous) +
+                              " N m s stops the wheel of actuator " + std::to_string(quickest->actuator) + " (" +
+                              text(quickest->inertia) + " kg m^2) in " + text(1 / body.friction_rate) +
+                              " s; nothing quicker than a thousandth of the period, " + text(dt / most_time_constants) +
+                              " s, can be integrated");
 }
 
 }  // namespace
@@ -77,14 +81,16 @@ Plant::Plant(PlantModel model, const InitialState& initial, double dt)
   for (int i = 0; i < n; ++i) {
     refuse_if(!a.is_wheel(i) && stored_[i] != 0, "plant: h_w of an ideal torquer must be zero");
     refuse_if(std::abs(stored_[i]) > a.momentum_max[i], "plant: a wheel starts beyond its momentum_max");
-    momentum_limited_ = momentum_limited_ || std::isfinite(a.momentum_max[i]);
+    watched_.set(i, a.is_wheel(i) && (std::isfinite(a.momentum_max[i]) || a.coulomb_friction[i] > 0));
   }
+  refuse_quick_bearings(body_, dt);
   stored_rest_ = VecN<double>::Zero(n);
   h_w_ = VecN<double>::Zero(n);
   friction_index_.fill(-1);
   for (std::size_t j = 0; j < body_.friction_wheels.size(); ++j) {
     friction_index_[static_cast<std::size_t>(body_.friction_wheels[j].actuator)] = static_cast<int>(j);
   }
+  counted_ = friction_index_;
 
   const Vec3<double> H_B = body_.J_B * initial.omega_BN_B + torque<double>(body_.D_B, stored_);
   if (model.coordinates == Coordinates::euler_angles) {
@@ -96,9 +102,14 @@ Plant::Plant(PlantModel model, const InitialState& initial, double dt)
     y_ = {q.w(), q.x(), q.y(), q.z(), H_B[0], H_B[1], H_B[2]};
   }
 
+  exchange_.J_B_inverse = body_.J_B_inverse;
+  inverse_inertia_ = body_.J_B_inverse.norm();
   if (const auto* cvode = std::get_if<Cvode>(&model.integrator)) {
     cvode_.emplace(*cvode, body_.states());
     restart_each_sample_ = cvode->restart_each_sample;
+    pair_ = {cvode->rtol, cvode->atol};
+  } else if (const auto* pair = std::get_if<Auto>(&model.integrator)) {
+    pair_ = *pair;
   } else {
     rk4_substeps_ = std::get<Rk4>(model.integrator).substeps;
     refuse_if(rk4_substeps_ < 1, "rk4: substeps must be at least 1");
@@ -123,9 +134,13 @@ void Plant::advance_to(const VecN<double>& u, double t_end) {
   actuators_.command(u);
   commanded_ = true;
   if (restart_each_sample_) restart_ = true;
+  steps_before_ = steps();
   while (t_ < t_end) {
     const double stop = piece_end_ < t_end - snap ? piece_end_ : t_end;
-    while (t_ < stop) step_towards(stop);
+    while (t_ < stop) {
+      step_towards(stop);
+      if (t_ < t_end) limit_work(t_);
+    }
     if (t_ < t_end) {
       publish();
       enter_piece();
@@ -133,6 +148,12 @@ void Plant::advance_to(const VecN<double>& u, double t_end) {
   }
   publish();
   tick_ = static_cast<Tick>(std::floor((t_ + snap) / dt_));
+}
+
+void Plant::limit_work(double t) const {
+  if (steps() - steps_before_ > most_steps) {
+    throw IntegrationError(t, "a sample takes more than " + std::to_string(most_steps) + " steps");
+  }
 }
 
 /// Begins the smooth piece that starts now.
@@ -151,17 +172,24 @@ void Plant::enter_piece() {
 
 /// One piece of time on which everything is smooth: to `stop` or as far as that goes.
 void Plant::step_towards(double stop) {
-  at_limit_ = {};
   double t1 = actuators_.all_constant() ? stop : smooth_end(stop);
-  fit_delivered(t1);
-  if (momentum_limited_) {
-    t1 = stop_at_momentum_limits(t1);
-    fit_delivered(t1);
+  pieces_ = least_steps(t1 - t_);
+  if (looks_ahead()) {  // a step at a time
+    if (rk4_substeps_ > 0) t1 = t_ + (t1 - t_) / rk4_steps(t1 - t_);
+    pieces_ = 1;
   }
-  if (rk4_substeps_ > 0 || restart_) absorb_torquer_impulse();
-  set_exchange(t1);
-  integrate(t1);
-  take_up_storage(t1 - t_);
+  length_ = t1 - t_;
+  fit_delivered(t1);
+  if (!cvode_ || restart_) absorb_torquer_impulse();
+  if (watched_.any()) settle_wheels();
+  set_exchange();
+  if (watched_.any()) {
+    t1 = integrate_watching(t1);
+  } else {
+    integrate(t1);
+  }
+  statistics_.pieces += static_cast<std::uint64_t>(pieces_);
+  take_up_storage((t1 - t_) / length_);
   t_ = t1;
   if (!std::isfinite(y_[0] + y_[1] + y_[2] + y_[3] + y_[4] + y_[5] + y_[6])) throw NonFiniteState(t_);
 }
@@ -203,9 +231,7 @@ void Plant::fit_delivered(double t1) noexcept {
   degree_ = 0;
   for (int i = 0; i < actuators_.size(); ++i) {
     Cubic& c = delivered_[static_cast<std::size_t>(i)];
-    if (at_limit_.test(i)) {
-      c = {};
-    } else if (actuators_.constant(i)) {
+    if (actuators_.constant(i)) {
       c = {actuators_.constant_delivered(i), 0, 0, 0};
     } else {
       std::array<double, 4> f;
@@ -216,35 +242,9 @@ void Plant::fit_delivered(double t1) noexcept {
   }
 }
 
-/// Marks the wheels that are at their momentum limit and would go beyond. Returns the time until which that holds and
-/// no other wheel meets its limit. Friction is taken as it is now: the time errs by the second order of the interval.
-double Plant::stop_at_momentum_limits(double t1) noexcept {
-  const double length = t1 - t_;
-  double x1 = 1;
-  for (int i = 0; i < actuators_.size(); ++i) {
-    const double limit = actuators_.actuators().momentum_max[i];
-    if (!std::isfinite(limit)) continue;
-    const Cubic& c = delivered_[static_cast<std::size_t>(i)];
-    const double h0 = momentum(i), drag = friction(i);
-    const auto h = [&](double x) { return h0 - length * (integral(c, x) + drag * x); };
-    const auto beyond = [&](double x) { return std::abs(h(x)) > limit; };
-    const double nearby = std::min(1.0, snap / length);
-    const bool at_limit = std::abs(h0) >= limit * (1 - 1e-9) || beyond(nearby);
-    const double outward = h0 > 0 ? -1 : 1;  // sign of the delivered torque that takes the wheel further out
-    if (at_limit && outward * value(c, 1e-3) > 0) {
-      at_limit_.set(i);
-      const auto inward = [&](double x) { return outward * value(c, x) < 0; };
-      if (inward(1)) x1 = std::min(x1, bisect(0, 1, 1e-9, inward));
-    } else if (!at_limit && beyond(1)) {
-      x1 = std::min(x1, bisect(0, 1, 1e-15, beyond));
-    }
-  }
-  return x1 < 1 ? t_ + x1 * length : t1;
-}
-
-/// The momentum that the actuators hold, as polynomials until t1.
-void Plant::set_exchange(double t1) noexcept {
-  const double length = t1 - t_, per_length = 1 / length;
+/// The momentum that the actuators hold, as polynomials of the present piece.
+void Plant::set_exchange() noexcept {
+  const double length = length_, per_length = 1 / length;
   const auto powers = static_cast<std::size_t>(degree_ + 2);
   const auto reset = [&](auto& polynomial, const auto& zero) {
     polynomial.t0 = t_;
@@ -260,16 +260,18 @@ void Plant::set_exchange(double t1) noexcept {
     const Cubic& c = delivered_[static_cast<std::size_t>(i)];
     const std::array<double, 5> held{stored_[i] + stored_rest_[i], -length * c[0], -length * c[1] / 2,
                                      -length * c[2] / 3, -length * c[3] / 4};
+    if (const int j = friction_index_[static_cast<std::size_t>(i)]; j >= 0) {
+      Exchange::FrictionWheel& wheel = exchange_.friction_wheels[static_cast<std::size_t>(j)];
+      wheel.counts = counted_[static_cast<std::size_t>(i)] < 0 ? 0 : 1;
+      wheel.viscous = standing_.test(i) ? 0 : actuators_.actuators().viscous_friction[i];
+      reset(wheel.momentum, 0.0);
+      wheel.momentum.c = held;
+    }
     const Vec3<double> g = body_.D_B.col(i);
     const bool torquer = mixed && !actuators_.actuators().is_wheel(i);
     for (std::size_t k = 0; k < powers; ++k) {
       exchange_.stored_B.c[k] += held[k] * g;
       if (torquer) exchange_.torquers_B.c[k] += held[k] * g;
-    }
-    if (const int j = friction_index_[static_cast<std::size_t>(i)]; j >= 0) {
-      Quartic<double>& h = exchange_.friction_wheel_momentum[static_cast<std::size_t>(j)];
-      reset(h, 0.0);
-      h.c = held;
     }
   }
 }
@@ -287,9 +289,10 @@ void Plant::absorb_torquer_impulse() noexcept {
 }
 
 /// Compensated: over many samples a constant torque would else be rounded the same way each time.
-void Plant::take_up_storage(double length) noexcept {
+/// @param x  how much of the piece was gone through
+void Plant::take_up_storage(double x) noexcept {
   for (int i = 0; i < actuators_.size(); ++i) {
-    const double change = stored_rest_[i] - length * integral(delivered_[static_cast<std::size_t>(i)], 1);
+    const double change = stored_rest_[i] - length_ * integral(delivered_[static_cast<std::size_t>(i)], x);
     const double sum = stored_[i] + change;
     stored_rest_[i] = change - (sum - stored_[i]);
     stored_[i] = sum;
@@ -297,6 +300,28 @@ void Plant::take_up_storage(double length) noexcept {
 }
 
 // ---- integration --------------------------------------------------------------------------------------------------------
+
+/// Steps on this length so that none is longer than half of the shortest time constant: of the body's turning, of the
+/// precession of what it holds, of viscous friction. An explicit method is stable up to about five times that.
+/// @throws IntegrationError when they are so many that no method gets through a sample
+double Plant::least_steps(double length) const {
+  Vec3<double> held{y_[4], y_[5], y_[6]};  // what turns with the body
+  if (body_.kind != Body::Kind::wheels) held = body_.J_B * omega_BN_B_ + torque<double>(body_.D_B, h_w_);
+  const double w2 = omega_BN_B_.squaredNorm() + held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
+  const double friction = body_.friction_rate;
+  if (length * length * (2 * w2 + friction * friction) <= 0.125) return 1;  // then also the sum below is at most 1
+  const double rate = std::sqrt(2 * w2) + friction;
+  if (rate * dt_ > most_time_constants) {
+    throw IntegrationError(
+        t_, "turning, precession and friction act at " + text(rate) + " 1/s, more than 1000 times in a sample,");
+  }
+  return std::isfinite(rate) ? std::max(1.0, std::ceil(2 * length * rate)) : 1.0;
+}
+
+/// Of rk4, on the present piece.
+double Plant::rk4_steps(double length) const noexcept {
+  return std::max(std::ceil(length / dt_ * rk4_substeps_ - 1e-6), pieces_);
+}
 
 void Plant::integrate(double t1) {
   const bool friction = !body_.friction_wheels.empty();
@@ -313,7 +338,7 @@ void Plant::integrate(double t1) {
 
 template <bool friction, bool varying>
 void Plant::integrate_rigid(double t1) {
-  constexpr int capacity = friction ? Body::rigid_states + max_actuators : Body::rigid_states;
+  constexpr int capacity = friction ? Body::max_states : Body::rigid_states;
   integrate_as<capacity, derivative<friction, varying>, true>(motion(), t1);
 }
 
@@ -322,47 +347,95 @@ void Plant::integrate_as(const Context& m, double t1) {
   if (cvode_) {
     if (restart_) cvode_->restart(t_, y_.data());
     restart_ = false;
-    const Rhs rhs = [](double t, const double* y, double* ydot, const void* context) noexcept {
-      derivative(*static_cast<const Context*>(context), t, y, ydot);
-    };
-    cvode_->advance(rhs, &m, t1, y_.data());
+    cvode_->advance(&call<derivative, Context>, &m, t1, y_.data());
     return;
   }
   const auto rhs = [&m](double t, const double* y, double* ydot) noexcept { derivative(m, t, y, ydot); };
-  const double steps = std::max(1.0, std::ceil((t1 - t_) / dt_ * rk4_substeps_ - 1e-6));
+  if (rk4_substeps_ == 0) {
+    for (double t = t_; t < t1;) {
+      t = pair_towards<capacity>(rhs, t, t1, y_);
+      if constexpr (unit_quaternion) normalise(y_.data());
+      ++statistics_.steps;
+      limit_work(t);
+    }
+    return;
+  }
+  const double steps = rk4_steps(t1 - t_);
   const double h = (t1 - t_) / steps;
   for (double k = 0; k < steps; ++k) {
     rk4_step<capacity>(rhs, t_ + k * h, h, y_.data(), body_.states());
-    if constexpr (!unit_quaternion) continue;
-    const double shrink = 1 / std::sqrt(y_[0] * y_[0] + y_[1] * y_[1] + y_[2] * y_[2] + y_[3] * y_[3]);
-    for (std::size_t i = 0; i < 4; ++i) y_[i] *= shrink;
+    if constexpr (unit_quaternion) normalise(y_.data());
   }
-  rk4_statistics_.steps += static_cast<std::uint64_t>(steps);
+  statistics_.steps += static_cast<std::uint64_t>(steps);
+  statistics_.rhs_evaluations += 4 * static_cast<std::uint64_t>(steps);
+}
+
+/// One step of the pair from y at t, to t1 or as far as its tolerance allows. Returns the time reached.
+template <int capacity, class F>
+double Plant::pair_towards(const F& rhs, double t, double t1, State& y) {
+  const State begin = y;
+  for (;;) {
+    const bool whole = t1 - t <= pair_length_;
+    const double h = whole ? t1 - t : pair_length_;
+    if (!(t + h > t)) throw IntegrationError(t, "auto: the steps shrink to nothing");
+    const double error = pair_step<capacity>(pair_, rhs, t, h, body_.states(), begin.data(), y.data());
+    statistics_.rhs_evaluations += DormandPrince::stages;
+    const double next = error < 1e-4 ? 5 * h : h * std::clamp(0.9 * std::pow(error, -0.2), 0.2, 5.0);
+    if (error > 1) {
+      pair_length_ = next;
+      continue;
+    }
+    pair_length_ = whole ? std::max(pair_length_, next) : next;
+    return whole ? t1 : t + h;
+  }
+}
+
+/// One step of a method without history from the beginning of the piece, to t1 or as far as its tolerance allows.
+double Plant::look_ahead(double t1, State& y) {
+  if (rk4_substeps_ > 0) {
+    single_step(t1, y);
+    return t1;
+  }
+  const Motion m = motion();
+  y = y_;
+  const double reached = pair_towards<Body::max_states>(Call{rhs_of_wheels(), &m}, t_, t1, y);
+  normalise(y.data());
+  return reached;
+}
+
+/// The same to t1, without regard to its error.
+void Plant::single_step(double t1, State& y) {
+  const Motion m = motion();
+  const Call rhs{rhs_of_wheels(), &m};
+  const int n = body_.states();
+  if (rk4_substeps_ > 0) {
+    y = y_;
+    rk4_step<Body::max_states>(rhs, t_, t1 - t_, y.data(), n);
+    statistics_.rhs_evaluations += 4;
+  } else {
+    pair_step<Body::max_states>(pair_, rhs, t_, t1 - t_, n, y_.data(), y.data());
+    statistics_.rhs_evaluations += DormandPrince::stages;
+  }
+  normalise(y.data());
+}
+
+/// Of a body with friction wheels.
+Rhs Plant::rhs_of_wheels() const noexcept {
+  return external_.varies() ? &call<derivative<true, true>, Motion> : &call<derivative<true, false>, Motion>;
 }
 
 IntegratorStatistics Plant::statistics() const {
-  if (cvode_) return cvode_->statistics();
-  IntegratorStatistics s = rk4_statistics_;
-  s.rhs_evaluations = 4 * s.steps;
+  IntegratorStatistics s = statistics_;
+  if (cvode_) {
+    const IntegratorStatistics c = cvode_->statistics();
+    s.steps += c.steps;
+    s.rhs_evaluations += c.rhs_evaluations;
+    s.restarts = c.restarts;
+  }
   return s;
 }
 
 // ---- what others see ------------------------------------------------------------------------------------------------------
-
-/// N m s, of wheel i, friction included.
-double Plant::momentum(int i) const noexcept {
-  const int j = friction_index_[static_cast<std::size_t>(i)];
-  const double taken = j < 0 ? 0.0 : y_[static_cast<std::size_t>(Body::rigid_states + j)];
-  return stored_[i] + stored_rest_[i] + taken;
-}
-
-/// N m on the body along axis i.
-double Plant::friction(int i) const noexcept {
-  const int j = friction_index_[static_cast<std::size_t>(i)];
-  if (j < 0) return 0;
-  const Body::FrictionWheel& wheel = body_.friction_wheels[static_cast<std::size_t>(j)];
-  return wheel.friction(momentum(i) / wheel.inertia - wheel.axis_B.dot(omega_BN_B_));
-}
 
 void Plant::publish() {
   q_NB_ = euler_body_ ? quat_from_euler<double>({y_[0], y_[1], y_[2]})
@@ -373,7 +446,11 @@ void Plant::publish() {
     Jw -= h * body_.D_B.col(i);
     if (actuators_.actuators().is_wheel(i)) h_w_[i] = h;
   }
-  omega_BN_B_ = body_.J_B_inverse * Jw;
+  omega_BN_B_ = exchange_.J_B_inverse * Jw;
+  if (!standing_.any()) return;
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (standing_.test(i)) h_w_[i] = turned_momentum(i, omega_BN_B_);
+  }
 }
 
 EulerState<double> Plant::euler() const noexcept {
@@ -395,7 +472,7 @@ TruthSample Plant::sample() const {
     const Effect e = actuators_.effect(i, t_);
     s.effectiveness[i] = e.effectiveness;
     s.bias[i] = e.bias;
-    s.delivered[i] = (at_limit_.test(i) ? 0.0 : actuators_.delivered(i, t_)) + friction(i);
+    s.delivered[i] = turning(i) ? actuators_.delivered(i, t_) + friction(i, speed(i, h_w_[i], omega_BN_B_)) : 0.0;
   }
   s.external_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
   if (euler_body_) {
@@ -405,7 +482,10 @@ TruthSample Plant::sample() const {
   }
   const Vec3<double> rotating = body_.J_B * omega_BN_B_ + torque<double>(body_.D_B, h_w_);
   const Vec3<double> moment = torque<double>(body_.D_B, s.delivered) + s.external_B - omega_BN_B_.cross(rotating);
-  s.omegadot_BN_B = body_.J_B_inverse * moment;
+  s.omegadot_BN_B = exchange_.J_B_inverse * moment;
+  for (int i = 0; i < n && commanded_; ++i) {
+    if (standing_.test(i)) s.delivered[i] = -turned_momentum(i, s.omegadot_BN_B);
+  }
   return s;
 }
 
