@@ -67,10 +67,10 @@ Stiffness<S> default_stiffness(const Setup<S>& setup) noexcept {
 
 /// Periods in which a default observer of a torque finds it: `usual`, fewer where that comes near the time 1 / frequency of the
 /// default stiffness. An estimate fed back through weakened actuators as slowly as the law corrects makes the two swing
-/// against each other (`gyrostat check` has the limit); a twentieth of the law's time keeps them apart, three periods are left.
+/// against each other (`gyrostat check` has the limit); a twentieth of the law's time keeps them apart; two periods at least.
 template <class S>
 S observer_periods(const Setup<S>& setup, S usual) noexcept {
-  return std::min(usual, std::max(S(0.05) / (default_stiffness(setup).frequency * setup.dt), S(3)));
+  return std::min(usual, std::max(S(0.05) / (default_stiffness(setup).frequency * setup.dt), S(2)));
 }
 
 }  // namespace gyrostat
