@@ -38,7 +38,7 @@ struct EffectivenessLearningParams {
   S u_gate = S(0.05);
   S u_reg = S(0.02);
   S e_min = default_effectiveness_floor<S>;
-  S e_max = S(1.1);
+  S e_max = S(1);
   S uncertainty = S(0.1);
   Mask frozen;
 
