@@ -31,12 +31,20 @@ py::list parameters(const std::vector<host::ParamInfo>& described) {
   return params;
 }
 
+py::list names_of(const Estimates& e) {
+  py::list names;
+  if (e.d_B) names.append("d_B");
+  if (e.effectiveness) names.append("effectiveness");
+  return names;
+}
+
 py::dict describe(const std::string& family, const std::string& name) {
   const host::Description d = host::describe(family, name);
-  return py::dict("family"_a = d.family, "name"_a = d.name,
-                  "traits"_a = py::dict("axiswise"_a = d.traits.axiswise, "switching"_a = d.traits.switching,
-                                        "regulates"_a = d.traits.regulates),
-                  "params"_a = parameters(d.params));
+  return py::dict(
+      "family"_a = d.family, "name"_a = d.name,
+      "traits"_a = py::dict("axiswise"_a = d.traits.axiswise, "switching"_a = d.traits.switching,
+                            "regulates"_a = d.traits.regulates, "estimates"_a = names_of(d.traits.estimates)),
+      "params"_a = parameters(d.params));
 }
 
 py::dict flight_model(const py::dict& scenario) {
@@ -224,6 +232,17 @@ void bind_host(py::module_& m) {
         return to_python(host::resolve(to_table(scenario), python_components(components, Use::look)));
       },
       "scenario"_a, "components"_a = py::dict(), "The scenario with every default filled in.");
+  m.def(
+      "estimate_flow",
+      [](const py::dict& scenario) {
+        py::dict out;
+        for (const auto& [role, estimates] : host::estimate_flow(to_table(scenario)))
+          out[py::str(role)] = names_of(estimates);
+        return out;
+      },
+      "scenario"_a,
+      "By role, the estimates (d_B, effectiveness) that the observer makes and the others use; a Python component is "
+      "left out.");
   m.def("channel_names", &channel_names, "scenario"_a, "components"_a = py::dict(),
         "Channels that a run of this scenario offers.");
   m.def("flight_model", &flight_model, "scenario"_a,

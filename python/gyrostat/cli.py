@@ -329,7 +329,7 @@ def check(
     *,
     effectiveness: Annotated[
         tuple[float, float] | None,
-        typer.Option(metavar="LOW HIGH", help="Range to hold the compensation against, instead of the faults' own."),
+        typer.Option(metavar="LOW HIGH", help="Range to hold the loop against, instead of the faults' own."),
     ] = None,
     torque: Annotated[
         tuple[float, float, float] | None,
@@ -349,8 +349,10 @@ def check(
     what the published theorem admits; `--out` draws the frequency response of its error and the gains that are stable.
     With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
     loop. With a finite-time disturbance observer it says whether feeding the estimate forward through weakened
-    actuators is stable, unstable or unproven, with the critical effectiveness. With an observer of effectiveness it
-    says what cannot be identified. It also says which torque the actuators can give in every direction, healthy and
+    actuators is stable, unstable or unproven, with the critical effectiveness. With any observer that estimates
+    something it says who uses the estimate, between which effectiveness of the actuators the sampled loop is stable,
+    measured by small flights of the stack, and whether it is with what the faults leave. With an observer of
+    effectiveness it says what cannot be identified. It also says which torque the actuators can give in every direction, healthy and
     when the faults leave them least. Exit status 1 if a check fails.
 
     Examples: `gyrostat check wheel2_degraded --torque 0.1 0.2 0`, `gyrostat check li2018/table2 --effectiveness 0.05 1`

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 from gyrostat.design import (
     compensation,
+    estimate_use,
     feasibility,
     feasible_time,
     identifiability,
@@ -21,6 +22,7 @@ from gyrostat.design import (
     mixed_learning_tool,
     preassigned_time,
     predefined_time,
+    sampled_loop,
 )
 from gyrostat.design.compensation import (
     CompensationMargin,
@@ -32,10 +34,12 @@ from gyrostat.design.compensation import (
 from gyrostat.design.feasibility import attainable_after_faults, torque_findings
 from gyrostat.design.finding import Finding
 from gyrostat.design.registry import Design, DesignReport
+from gyrostat.design.sampled_loop import LoopMargin, loop_margin
 from gyrostat.plots import Figure
 from gyrostat.scenario import Scenario
 
 CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
+    estimate_use.findings,
     identifiability.findings,
     iterative_learning.findings,
     learning_disturbance.findings,
@@ -62,13 +66,14 @@ def findings(
     scenario
         What is looked at.
     effectiveness
-        As in `compensation.findings`.
+        As in `compensation.findings` and `sampled_loop.findings`.
     torque_B, fly
         As in `torque_findings`.
     """
     return [
         *(finding for look in CHECKS for finding in look(scenario)),
         *compensation.findings(scenario, effectiveness),
+        *sampled_loop.findings(scenario, effectiveness),
         *torque_findings(scenario, torque_B, fly=fly),
     ]
 
@@ -86,11 +91,13 @@ __all__ = [
     "Design",
     "DesignReport",
     "Finding",
+    "LoopMargin",
     "attainable_after_faults",
     "compensation",
     "compensation_margin",
     "critical_effectiveness",
     "effectiveness_range",
+    "estimate_use",
     "feasibility",
     "feasible_time",
     "findings",
@@ -99,10 +106,12 @@ __all__ = [
     "learning_disturbance",
     "learning_effectiveness",
     "learning_loop",
+    "loop_margin",
     "mixed_learning",
     "mixed_learning_tool",
     "preassigned_time",
     "predefined_time",
+    "sampled_loop",
     "scenario_margin",
     "torque_findings",
 ]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from gyrostat.design.feasibility import attainable_after_faults
 from gyrostat.design.finding import Finding
 from gyrostat.design.learning_loop import LearningLoop, settling
 from gyrostat.design.mixed_learning import (
@@ -50,6 +51,16 @@ _meaning = {
 }
 
 
+_Fault = Annotated[
+    float | None,
+    Field(
+        gt=0.0,
+        description="N m, torque fault on each axis that is tried; default a tenth of the torque that the scenario's "
+        "vehicle has in every direction, without one of 0.04 rad/s^2",
+    ),
+]
+
+
 class Wanted(Model):
     """Options of ``gyrostat design mixed_learning``."""
 
@@ -59,7 +70,7 @@ class Wanted(Model):
         float | None, Field(gt=0.0, description="s, of the learnt torque to 2 %; default 300 periods")
     ] = None
     disturbance: Annotated[float, Field(ge=0.0, description="N m, bound of what is not to be learnt")] = 0.0
-    fault: Annotated[float, Field(gt=0.0, description="N m, torque fault on each axis of the trial run")] = 0.1
+    fault: _Fault = None
     pointing_time: Annotated[
         float | None, Field(gt=0.0, description="s, of the attitude to 2 % on the surface; default 20 settling times")
     ] = None
@@ -83,7 +94,7 @@ class SixSteps(Model):
     k_sgn: Annotated[float, Field(ge=0.0, description="N m, switching gain")] = 0.01
     delta: Annotated[float, Field(gt=0.0, description="1/s, slope of the surface")] = 0.1
     disturbance: Annotated[float, Field(ge=0.0, description="N m, bound of what is not to be learnt")] = 2.4e-3
-    fault: Annotated[float, Field(gt=0.0, description="N m, for the steady state that is reported")] = 0.1
+    fault: _Fault = None
 
 
 def _conditions(where: str, margins: dict[str, float]) -> list[Finding]:
@@ -155,8 +166,30 @@ def flight_inertia(scenario: Scenario) -> Array:
     return np.asarray(as_matrix(np.asarray(vehicle["J_B"])) - D_B * wheels @ D_B.T)
 
 
+def usual_fault(J: Array, usable_torque: float | None = None) -> float:
+    """A torque fault to try gains with, N m, in proportion to what the vehicle can do.
+
+    Parameters
+    ----------
+    J
+        kg m^2, inertia.
+    usable_torque
+        N m, in every direction. Where that says nothing it is taken as flight does: 0.04 rad/s^2 about the axis of
+        largest inertia.
+    """
+    if usable_torque is None or not (math.isfinite(usable_torque) and usable_torque > 0.0):
+        usable_torque = 0.04 * float(np.linalg.eigvalsh(J)[-1])
+    return 0.1 * usable_torque
+
+
 def _of_scenario(scenario: Scenario) -> dict[str, Any]:
-    return {"J_B": flight_inertia(scenario).tolist(), "dt": scenario.dt}
+    J = flight_inertia(scenario)
+    sets = attainable_after_faults(scenario.replace(faults=[]))
+    return {
+        "J_B": J.tolist(),
+        "dt": scenario.dt,
+        "fault": usual_fault(J, None if sets is None else sets[0].in_every_direction),
+    }
 
 
 def six_steps(options: SixSteps) -> DesignReport:
@@ -168,7 +201,8 @@ def six_steps(options: SixSteps) -> DesignReport:
         theta1=o.theta1, theta2=o.theta2, disturbance=o.disturbance,
     )  # fmt: skip
     controller = design_sliding_mode(as_matrix(np.asarray(o.J_B)), o.dt, sigma4=o.sigma4, k_lin=o.k_lin, k_sgn=o.k_sgn)
-    return _report(observer, controller, o.delta, o.fault)
+    fault = usual_fault(observer.loop.J) if o.fault is None else o.fault
+    return _report(observer, controller, o.delta, fault)
 
 
 def _report(observer: LearningDesign, controller: LearningDesign, delta: float, fault: float) -> DesignReport:
@@ -224,38 +258,38 @@ def design_for(options: Wanted) -> DesignReport:
     """
     where = "observer mixed_learning"
     J, dt = checked_inertia(np.asarray(options.J_B)), options.dt
+    fault = usual_fault(J) if options.fault is None else options.fault
     wanted = 300.0 * dt if options.settling_time is None else options.settling_time
     fastest = 60.0 * dt
     if wanted < fastest * (1.0 - 1e-9):
         text = f"settling in {wanted:g} s needs 60 periods, {fastest:g} s: sample faster or allow more time"
         return DesignReport({}, [Finding(where, "period", text, False, wanted, fastest)])
-    if options.disturbance >= 0.5 * options.fault:
+    if options.disturbance >= 0.5 * fault:
         text = (
-            f"a fault of {options.fault:g} N m cannot be told from {options.disturbance:g} N m of disturbance: "
+            f"a fault of {fault:g} N m cannot be told from {options.disturbance:g} N m of disturbance: "
             "theta1 must exceed the disturbance, and stays unlearnt"
         )
-        return DesignReport({}, [Finding(where, "disturbance", text, False, options.disturbance, 0.5 * options.fault)])
-    turn = 0.5 * (options.fault + options.disturbance) / float(np.linalg.eigvalsh(J)[0]) * (2.0 * wanted / 7.0) ** 2
+        return DesignReport({}, [Finding(where, "disturbance", text, False, options.disturbance, 0.5 * fault)])
+    turn = 0.5 * (fault + options.disturbance) / float(np.linalg.eigvalsh(J)[0]) * (2.0 * wanted / 7.0) ** 2
     if turn > _largest_turn:
         text = (
-            f"a fault of {options.fault:g} N m turns the body by {turn:.2g} rad before it is learnt, at most "
+            f"a fault of {fault:g} N m turns the body by {turn:.2g} rad before it is learnt, at most "
             f"{_largest_turn:g} rad: allow less time, or the fast turn itself has to be learnt"
         )
         return DesignReport({}, [Finding(where, "turn", text, False, turn, _largest_turn)])
     for haste in (1.0, 1.1, 1.2, 1.3, 1.45, 1.6):
         b = 7.0 * haste / wanted
         observer = _observer_for(J, dt, b, options.disturbance)
-        trial = _trial(where, observer.loop, options, wanted)
+        trial = _trial(where, observer.loop, fault, options.disturbance, wanted)
         if trial.value is not None and trial.value <= 0.95 * wanted:
             break
     f = 4.0 / (20.0 * wanted if options.pointing_time is None else options.pointing_time)
-    report = _report(observer, _controller_for(J, dt, f, b), 2.0 * f, options.fault)
+    report = _report(observer, _controller_for(J, dt, f, b), 2.0 * f, fault)
     return DesignReport(report.components, [*report.findings, trial])
 
 
-def _trial(where: str, loop: LearningLoop, options: Wanted, wanted: float) -> Finding:
+def _trial(where: str, loop: LearningLoop, fault: float, disturbance: float, wanted: float) -> Finding:
     """The slowest of the runs under the fault and the disturbance in every combination of signs."""
-    fault, disturbance = options.fault, options.disturbance
     signs = np.array(list(itertools.product((1.0, -1.0), repeat=3))) if disturbance > 0.0 else np.zeros((1, 3))
     pushes = fault + disturbance * signs
     runs = loop.response(pushes, math.ceil(2.0 * wanted / loop.dt))

@@ -31,9 +31,11 @@ struct WithDefaults {
 };
 struct Without {
   static constexpr bool switching = true;
+  static constexpr Estimates estimates{.d_B = true};
   struct Params {
     double gain = 1;
   };
+  static constexpr Estimates uses(const Params& p) noexcept { return {.effectiveness = p.gain > 0}; }
 };
 
 TEST(Params, DefaultsComeFromTheVehicleWhereTheComponentSaysSo) {
@@ -47,6 +49,11 @@ TEST(Traits, AbsentMeansFalse) {
   EXPECT_TRUE(traits_of<Without>().switching);
   EXPECT_FALSE(traits_of<Without>().regulates);
   EXPECT_FALSE(traits_of<WithDefaults>().switching);
+  EXPECT_EQ(traits_of<WithDefaults>().estimates, Estimates{});
+  EXPECT_EQ(traits_of<Without>().estimates, (Estimates{.d_B = true, .effectiveness = false}));
+  EXPECT_EQ(uses_of<WithDefaults>({.gain = 1}), Estimates{});
+  EXPECT_TRUE(uses_of<Without>({.gain = 1}).effectiveness);
+  EXPECT_FALSE(uses_of<Without>({.gain = 0}).effectiveness);
 }
 
 }  // namespace

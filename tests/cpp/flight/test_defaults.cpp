@@ -11,6 +11,7 @@
 #include "gyrostat/flight/controllers/prescribed_performance.hpp"
 #include "gyrostat/flight/controllers/saturated_pd.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
+#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
 #include "gyrostat/flight/observers/iterative_learning.hpp"
@@ -59,6 +60,32 @@ TEST(DefaultStiffness, IsDampedAndSlowAgainstTheSample) {
     EXPECT_NEAR(k.k_omega / J, 2 * 0.8 * std::sqrt(k.k_sigma / 4 / J), 1e-15);  // 2 zeta w of J phi'' = -k phi / 4
     EXPECT_LE(k.frequency * dt, 0.05);
   }
+}
+
+TEST(ObserverPeriods, AreFewerOnlyWhereTheLawIsNearlyAsFast) {
+  auto setup = ftc_4rw<double>();
+  EXPECT_EQ(observer_periods(setup, 10.0), 10);  // 100 Hz: the law's time is 7 s
+  setup.dt = 0.1;
+  EXPECT_NEAR(observer_periods(setup, 10.0) * setup.dt * default_stiffness(setup).frequency, 0.05, 1e-15);
+  setup.dt = 0.5;
+  EXPECT_EQ(observer_periods(setup, 10.0), 2);
+}
+
+TEST(EffectivenessFloor, OfAnObserverMustNotBeBelowTheAllocators) {
+  using O = IterativeLearningObserver<float>;
+  using A = PseudoInverse<float>;
+  const auto setup = ftc_4rw<float>();
+  auto o = default_params<O>(setup);
+  auto a = default_params<A>(setup);
+  const auto ok = [&] {
+    return actuators_can_recover(effectiveness_floor_of<O>(o), effectiveness_floor_of<A>(a)).ok();
+  };
+  EXPECT_TRUE(ok());
+  o.e_min = 0.049f;
+  EXPECT_FALSE(ok());
+  a.use_effectiveness = false;
+  EXPECT_TRUE(ok());
+  EXPECT_TRUE(actuators_can_recover(effectiveness_floor_of<Passthrough<float>>({}), 1.0f).ok());
 }
 
 struct Craft {

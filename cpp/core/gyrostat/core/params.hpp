@@ -97,11 +97,20 @@ struct Counter {
   const char* name;
 };
 
-/// What is known of a component beyond its signals; each is a `static constexpr bool` of the component, false when absent.
+/// Estimates beyond the measured state: those that an observer makes, or those that another component uses.
+struct Estimates {
+  bool d_B = false;
+  bool effectiveness = false;
+
+  constexpr bool operator==(const Estimates&) const noexcept = default;
+};
+
+/// What is known of a component beyond its signals; each is a `static constexpr` of the component, nothing when absent.
 struct Traits {
   bool axiswise = false;   ///< equivariant under signed permutations of the body axes
   bool switching = false;  ///< discontinuous: float does not follow double sample by sample
   bool regulates = false;  ///< a controller that closes the loop on attitude
+  Estimates estimates;     ///< what an observer estimates
 };
 
 template <class Component>
@@ -110,7 +119,19 @@ constexpr Traits traits_of() noexcept {
   if constexpr (requires { Component::axiswise; }) t.axiswise = Component::axiswise;
   if constexpr (requires { Component::switching; }) t.switching = Component::switching;
   if constexpr (requires { Component::regulates; }) t.regulates = Component::regulates;
+  if constexpr (requires { Component::estimates; }) t.estimates = Component::estimates;
   return t;
+}
+
+/// What a controller or allocator makes up for, and what a detector watches: their
+/// `static constexpr Estimates uses(const Params&)`. A controller subtracts d_B, an allocator divides by effectiveness.
+template <class Component>
+constexpr Estimates uses_of(const typename Component::Params& params) noexcept {
+  if constexpr (requires { Component::uses(params); }) {
+    return Component::uses(params);
+  } else {
+    return {};
+  }
 }
 
 }  // namespace gyrostat

@@ -47,6 +47,12 @@ struct Stiffness {
 template <class S>
 inline constexpr S default_full_error = S(0.198912367379658007);  // tan(45 deg / 4)
 
+/// Rate, 1/s, that a default law does not exceed where its slope could be made steeper: the command is held for dt.
+template <class S>
+S fastest_law(const Setup<S>& setup) noexcept {
+  return S(0.05) / setup.dt;
+}
+
 /// Rule: at an error of 45 deg the law asks for the usable torque, and the damping is 0.8 of critical about the axis of
 /// largest inertia J, k_omega = 0.8 sqrt(k_sigma J), since sigma is a quarter of a small angle. The natural frequency
 /// stays below 0.05 / dt. With one of four wheels at 40 % this leaves margin for the offset of a constant disturbance.
@@ -54,9 +60,17 @@ template <class S>
 Stiffness<S> default_stiffness(const Setup<S>& setup) noexcept {
   const S J = largest_inertia(setup.vehicle.J_B);
   const S wanted = std::sqrt(usable_torque(setup.vehicle) / (S(4) * J * default_full_error<S>));
-  const S frequency = std::min(wanted, S(0.05) / setup.dt);
+  const S frequency = std::min(wanted, fastest_law(setup));
   const S k_sigma = S(4) * J * frequency * frequency;
   return {k_sigma, S(0.8) * std::sqrt(k_sigma * J), frequency};
+}
+
+/// Periods in which a default observer of a torque finds it: `usual`, fewer where that comes near the time 1 / frequency of the
+/// default stiffness. An estimate fed back through weakened actuators as slowly as the law corrects makes the two swing
+/// against each other (`gyrostat check` has the limit); a twentieth of the law's time keeps them apart; two periods at least.
+template <class S>
+S observer_periods(const Setup<S>& setup, S usual) noexcept {
+  return std::min(usual, std::max(S(0.05) / (default_stiffness(setup).frequency * setup.dt), S(2)));
 }
 
 }  // namespace gyrostat

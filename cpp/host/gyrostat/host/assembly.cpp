@@ -268,6 +268,20 @@ Status<double> check_one(const Family<Base>& family, const Setup<double>& setup,
   return family.find(spec.type, spec.where).check(setup, spec.params, Place{spec.where, setup.vehicle.actuators()});
 }
 
+template <class Base>
+Coupling coupling_of(const Family<Base>& family, const Assembly& a, const ComponentSpec& spec) {
+  if (spec.type == "python") return {};
+  return family.find(spec.type, spec.where)
+      .coupling(a.setup, spec.params, Place{spec.where, a.setup.vehicle.actuators()});
+}
+
+/// What observer and allocator must agree on.
+Status<double> check_pair(const Assembly& a) {
+  const Catalogue& c = catalogue();
+  return actuators_can_recover(coupling_of(c.observers, a, a.observer).effectiveness_floor,
+                               coupling_of(c.allocators, a, a.allocator).effectiveness_floor);
+}
+
 std::string text_of(const Status<double>& s) {
   return std::string(s.quantity) + " = " + number_text(s.value) + ", must be " + s.relation + " " +
          number_text(s.limit);
@@ -336,6 +350,8 @@ std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponen
   add(c.detectors, a.detector);
   add(c.controllers, a.controller);
   add(c.allocators, a.allocator);
+  if (const Status<double> pair = check_pair(a); !pair.ok())
+    rows.push_back({"observer and allocator", a.observer.type + ", " + a.allocator.type, pair});
   for (const auto& [observer, detector] : a.shadows) {
     add(c.observers, observer);
     add(c.detectors, detector);
@@ -343,8 +359,24 @@ std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponen
   return rows;
 }
 
+std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) {
+  const Catalogue& c = catalogue();
+  std::vector<std::pair<std::string, Estimates>> flow;
+  if (a.observer.type != "python")
+    flow.emplace_back("observer", c.observers.find(a.observer.type, a.observer.where).traits.estimates);
+  const auto add = [&](const auto& family, const ComponentSpec& spec) {
+    if (spec.type != "python") flow.emplace_back(family.role(), coupling_of(family, a, spec).uses);
+  };
+  add(c.detectors, a.detector);
+  add(c.controllers, a.controller);
+  add(c.allocators, a.allocator);
+  return flow;
+}
+
 Stack make_stack(const Assembly& a, const ExternalComponents& external) {
   const Catalogue& c = catalogue();
+  if (const Status<double> pair = check_pair(a); !pair.ok())
+    refuse(a.observer.where + ", " + a.allocator.where + ": " + text_of(pair));
   return Stack(a.setup, AnyObserver(make_one(c.observers, a, a.observer, external.observer)),
                AnyDetector(make_one(c.detectors, a, a.detector, external.detector)),
                AnyController(make_one(c.controllers, a, a.controller, external.controller)),

@@ -41,10 +41,14 @@ struct Assembly {
 /// Reads and cross-checks. Throws std::invalid_argument.
 Assembly assemble(const Table& scenario);
 
-/// What the components say of their settings; unstable ones are refused by `make_stack` unless allowed.
+/// Estimates by role: those that the observer makes and those that the others use. Nothing is known of a component from
+/// outside the catalogue: its role is left out.
+std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a);
+
+/// What the components say of their settings, and of each other; unstable ones are refused by `make_stack` unless allowed.
 std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponents& external);
 
-/// Throws std::invalid_argument for the first setting that its component refuses.
+/// Throws std::invalid_argument for the first setting that its component, or another one, refuses.
 Stack make_stack(const Assembly& a, const ExternalComponents& external);
 std::vector<Shadow> make_shadows(const Assembly& a, const ExternalComponents& external);
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/host/any.hpp"
 #include "gyrostat/host/parameters.hpp"
 
@@ -16,6 +17,12 @@ namespace gyrostat::host {
 struct CppClass {
   std::string name;                               ///< "gyrostat::SaturatedPd", without its scalar
   std::size_t bytes_double = 0, bytes_float = 0;  ///< size of an object
+};
+
+/// What a component with its parameters has to do with the estimates that others make or use.
+struct Coupling {
+  Estimates uses;
+  double effectiveness_floor = -1;  ///< see flight/effectiveness_floor.hpp
 };
 
 /// A flight component of one role, by name.
@@ -28,6 +35,7 @@ struct Entry {
   /// Reads the parameters (throws std::invalid_argument), then asks the component.
   std::function<Status<double>(const Setup<double>&, const Table&, const Place&)> check;
   std::function<std::unique_ptr<Base>(const Setup<double>&, const Table&, const Place&)> make;
+  std::function<Coupling(const Setup<double>&, const Table&, const Place&)> coupling;
   /// The parameters that `make` takes, as their defaults.
   std::function<std::vector<ParamInfo>(const Setup<double>&, const Table&, const Place&)> settings;
   CppClass cpp;
@@ -58,6 +66,10 @@ Entry<Base> entry() {
           },
           [params](const Setup<double>& setup, const Table& table, const Place& place) -> std::unique_ptr<Base> {
             return std::make_unique<ModelOf<T>>(T(setup, params(setup, table, place)));
+          },
+          [params](const Setup<double>& setup, const Table& table, const Place& place) -> Coupling {
+            const Params p = params(setup, table, place);
+            return {uses_of<T>(p), effectiveness_floor_of<T>(p)};
           },
           [params](const Setup<double>& setup, const Table& table, const Place& place) {
             return describe_params<Params>(params(setup, table, place));

@@ -302,6 +302,10 @@ std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& ext
   return check_components(a, external);
 }
 
+std::vector<std::pair<std::string, Estimates>> estimate_flow(const Table& scenario) {
+  return estimate_flow(assemble(scenario));
+}
+
 std::vector<ChannelInfo> channels(const Table& scenario, const ExternalComponents& external) {
   const Assembly a = assemble(scenario);
   const Parts parts(a, external);

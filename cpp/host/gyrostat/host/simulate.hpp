@@ -56,6 +56,10 @@ struct RunResult {
 /// Builds everything without running and asks each component whether it fits.
 std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& external = {});
 
+/// Estimates by role: those that the observer makes and those that the others use. Nothing is known of a component from
+/// outside the catalogue: its role is left out.
+std::vector<std::pair<std::string, Estimates>> estimate_flow(const Table& scenario);
+
 /// The scenario with every default filled in.
 Table resolve(const Table& scenario, const ExternalComponents& external = {});
 

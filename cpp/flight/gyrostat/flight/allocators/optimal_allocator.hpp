@@ -9,6 +9,7 @@
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/allocators/allocation_solver.hpp"
+#include "gyrostat/flight/effectiveness_floor.hpp"
 
 namespace gyrostat {
 
@@ -26,7 +27,7 @@ struct OptimalAllocatorParams {
   Vec3<S> axis_weight = Vec3<S>::Ones();
   BoundPolicy bound_policy = BoundPolicy::physical;
   S bound_cap = S(0.1);
-  S e_min = S(0.01);
+  S e_min = default_effectiveness_floor<S>;
   int max_newton = 200;
 
   static constexpr void describe(auto& p, auto&& field) {
@@ -52,6 +53,9 @@ class OptimalAllocator {
  public:
   using Scalar = S;
   using Solver = AllocationSolver<S, 3, max_actuators>;
+
+  static constexpr Estimates uses(const OptimalAllocatorParams<S>&) noexcept { return {.effectiveness = true}; }
+  static constexpr S effectiveness_floor(const OptimalAllocatorParams<S>& p) noexcept { return p.e_min; }
 
   /// The previous command is zero again (or the limit nearest to it), the warm start forgotten.
   void reset() noexcept {

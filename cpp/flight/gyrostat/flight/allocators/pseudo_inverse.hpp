@@ -13,6 +13,7 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
+#include "gyrostat/flight/effectiveness_floor.hpp"
 
 namespace gyrostat {
 
@@ -32,7 +33,7 @@ class PseudoInverse {
     /// True, because the model all components share has D diag(effectiveness) u in it: an observer that estimates it has
     /// taken that share out of d_B, and nobody else would make up for it. Without such an observer it is all ones.
     bool use_effectiveness = true;
-    S e_min = S(0.05);
+    S e_min = default_effectiveness_floor<S>;
     S rank_tolerance = S(0.01);
     /// What an infinite effectiveness_bound (never excited, or forgotten) does to the estimate beside it.
     Unknown unknown = Unknown::estimate;
@@ -45,6 +46,9 @@ class PseudoInverse {
                               "effectiveness of infinite bound: as estimated, or 1 (not divided by)"});
     }
   };
+
+  static constexpr Estimates uses(const Params& p) noexcept { return {.effectiveness = p.use_effectiveness}; }
+  static constexpr S effectiveness_floor(const Params& p) noexcept { return p.use_effectiveness ? p.e_min : S(0); }
 
   static Status<S> check(const Setup<S>& setup, const Params&) noexcept {
     const int n = setup.vehicle.actuators();

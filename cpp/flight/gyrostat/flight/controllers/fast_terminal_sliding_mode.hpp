@@ -47,6 +47,8 @@ class FastTerminalSlidingMode {
     }
   };
 
+  static constexpr Estimates uses(const Params&) noexcept { return {.d_B = true}; }
+
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
     const S J = smallest_inertia(setup.vehicle.J_B);
     const S slope = p.b3 + p.b4 * sig_core_slope(S(0), p.r, p.s_core);

@@ -19,6 +19,8 @@ class FiniteTime {
   static constexpr bool axiswise = true;
   static constexpr bool regulates = true;
 
+  static constexpr Estimates uses(const Params&) noexcept { return {.d_B = true}; }
+
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
     return needs_body_coordinates(setup) && NominalLaw<S>::check(setup, p);
   }

@@ -70,7 +70,7 @@ class IntegralSlidingMode {
     /// of a r at most: zeta1 |s|^kappa has no unit of its own, so it is held at kappa = 0 and at s_lim with kappa = 1.
     static Params defaults(const Setup<S>& setup) noexcept {
       const S a = usable_torque(setup.vehicle);
-      const S r = std::min(S(0.05) / setup.dt, S(50) * default_stiffness(setup).frequency);
+      const S r = std::min(fastest_law(setup), S(50) * default_stiffness(setup).frequency);
       Params p;
       p.nominal = NominalLaw<S>::Params::defaults(setup);
       p.s_lim = a / r;
@@ -84,6 +84,8 @@ class IntegralSlidingMode {
       return p;
     }
   };
+
+  static constexpr Estimates uses(const Params&) noexcept { return {.d_B = true}; }
 
   /// The slope of the correction inside the layer must be stable when sampled. (K4 is left out: its slope has no bound at s = 0.)
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

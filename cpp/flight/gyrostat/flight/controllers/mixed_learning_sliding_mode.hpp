@@ -61,6 +61,8 @@ class MixedLearningSlidingMode {
     }
   };
 
+  static constexpr Estimates uses(const Params& p) noexcept { return {.d_B = p.compensate}; }
+
   /// The sampled loop of s must be stable, inside the layer and out of it.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
     return needs_body_coordinates(setup) &&

@@ -38,11 +38,14 @@ class MixedLearningTerminalSlidingMode : public MixedLearningSlidingMode<S> {
 
     typename Linear::Surface surface() const noexcept { return {this->delta, terminal, power, core}; }
 
-    /// Those of the linear law; the terminal part equals the linear one at a quaternion error of 0.1.
+    /// Those of the linear law; the terminal part equals the linear one at a quaternion error of 0.1, and its decay rate at zero
+    /// is at most `fastest_law`.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
       static_cast<typename Linear::Params&>(p) = Linear::Params::defaults(setup);
       p.terminal = p.delta * std::pow(S(0.1), S(1) - p.power);
+      p.core = std::max(S(0.01),
+                        std::pow(S(0.5) * (S(2) - p.power) * p.terminal / fastest_law(setup), S(1) / (S(1) - p.power)));
       p.k_power = p.k_lin * std::pow(S(0.5) * p.width, S(1) - p.power_s);
       return p;
     }

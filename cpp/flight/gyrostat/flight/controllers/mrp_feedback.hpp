@@ -3,7 +3,8 @@
 ///
 ///   tau_B = -K sigma_BR - P omega_BR_B + feedforward of a moving reference
 ///
-/// No integral action: a constant disturbance d leaves the offset |sigma| = |d| / K, unless `compensate` takes the observer's d_B. Page: docs/components/mrp_feedback.md
+/// No integral action: a constant disturbance d leaves the offset |sigma| = |d| / K where no observer finds it or `compensate`
+/// is off. Page: docs/components/mrp_feedback.md
 #pragma once
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/flight/chart.hpp"
@@ -24,7 +25,7 @@ class MrpFeedback {
   struct Params {
     S K = S(1);
     S P = S(5);
-    bool compensate = false;
+    bool compensate = true;
     S shadow_switch = S(1);
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -35,9 +36,11 @@ class MrpFeedback {
     }
     static Params defaults(const Setup<S>& setup) noexcept {
       const Stiffness<S> k = default_stiffness(setup);
-      return {k.k_sigma, k.k_omega, false, S(1)};
+      return {k.k_sigma, k.k_omega, true, S(1)};
     }
   };
+
+  static constexpr Estimates uses(const Params& p) noexcept { return {.d_B = p.compensate}; }
 
   /// The sampled damping must be stable about the smallest inertia.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

@@ -36,11 +36,13 @@ struct MrpSurfaceParams {
     field(p.shadow_switch, shadow_switch_field);
   }
 
-  /// 5 % of the usable torque, in a layer of 2 % of the rate of the MRP that it reaches in a full turn.
+  /// 5 % of the usable torque, in a layer of 2 % of the rate of the MRP that it reaches in a full turn, or of the slope that
+  /// `fastest_law` allows.
   static void scale(const Setup<S>& setup, MrpSurfaceParams& p) noexcept {
     const S a = usable_torque(setup.vehicle);
     p.k_s = S(0.05) * a;
-    p.phi = S(0.02) * std::sqrt(a / largest_inertia(setup.vehicle.J_B)) / S(4);
+    p.phi = std::max(S(0.02) * std::sqrt(a / largest_inertia(setup.vehicle.J_B)) / S(4),
+                     p.k_s / (S(4) * smallest_inertia(setup.vehicle.J_B) * fastest_law(setup)));
   }
 
   /// Of the layer, per s, about the smallest inertia, 1/s.

@@ -59,9 +59,9 @@ class PreassignedTimeSlidingMode {
     /// correction have five times the default natural frequency, with a / 4 at the edge of the layer.
     static Params defaults(const Setup<S>& setup) noexcept {
       const S a = usable_acceleration(setup.vehicle);
-      const S rate = std::min(S(0.05) / setup.dt, S(5) * default_stiffness(setup).frequency);
+      const S rate = std::min(fastest_law(setup), S(5) * default_stiffness(setup).frequency);
       Params p;
-      p.T = std::max(std::sqrt(S(5.7735) * S(0.7854) / (S(0.5) * a)), S(200) * setup.dt);
+      p.T = std::max(std::sqrt(S(5.7735) * S(0.7854) / (S(0.5) * a)), S(50) * setup.dt);
       p.c = rate;
       p.b = rate;
       p.eta = S(0.25) * a;
@@ -69,6 +69,8 @@ class PreassignedTimeSlidingMode {
       return p;
     }
   };
+
+  static constexpr Estimates uses(const Params&) noexcept { return {.d_B = true}; }
 
   /// The command is held: s' = -(b + eta / layer) s and (z - p)' = -c (z - p) must be stable when sampled.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

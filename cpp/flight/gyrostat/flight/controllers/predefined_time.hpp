@@ -25,6 +25,16 @@ S predefined_time_gain(S V, S h, S T, S floor) noexcept {
   return std::exp(power) / (power * S(2) * h * T);
 }
 
+/// The V at which that gain is `rate`; 2 h T rate > e.
+template <class S>
+S floor_of_rate(S rate, S h, S T) noexcept {
+  const S least = S(1) / (S(2) * h * T * rate);
+  S power = least;
+  for (int i = 0; i < 40; ++i)
+    power = least * std::exp(power);  // contracts by the power itself, below 0.26 for T = 200 dt
+  return std::pow(power, S(1) / h);
+}
+
 template <class S>
 class PredefinedTime {
  public:
@@ -53,15 +63,18 @@ class PredefinedTime {
 
     /// T1 = T2 in proportion to sqrt(J / usable torque): the published 10 s have the vehicle of the publication turn 90 deg with
     /// 1.4 rad/s^2 at the peak; here a peak of twice the acceleration at hand, the rest is saturation. The linear rates inside the
-    /// floors stay below 0.05 / dt.
+    /// floors stay below `fastest_law`: sampled slowly the floors are wide, and the law is the linear one that they hold.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
       MrpSurfaceParams<S>::scale(setup, p);
-      p.T1 = p.T2 = std::max(S(10) * std::sqrt(S(0.7) / usable_acceleration(setup.vehicle)), S(1000) * setup.dt);
-      p.floor2 = S(0.5) * p.phi * p.phi;
+      p.T1 = p.T2 = std::max(S(10) * std::sqrt(S(0.7) / usable_acceleration(setup.vehicle)), S(200) * setup.dt);
+      p.floor1 = std::max(p.floor1, floor_of_rate(fastest_law(setup), p.h1, p.T1));
+      p.floor2 = std::max(S(0.5) * p.phi * p.phi, floor_of_rate(fastest_law(setup), p.h2, p.T2));
       return p;
     }
   };
+
+  static constexpr Estimates uses(const Params&) noexcept { return {.d_B = true}; }
 
   /// Sampled slopes: of xi inside its floor, of the way to the surface at |s| = 1e-3 /s (nearer to zero what is left is a limit
   /// cycle below any sensor), and of the layer.

@@ -62,7 +62,7 @@ class PrescribedPerformance {
       const S w = default_stiffness(setup).frequency;
       Params p;
       p.b1 = S(0.2) * w;
-      p.rho_inf = std::max(S(0.005), S(5) * p.b1 * setup.dt);
+      p.rho_inf = std::max(S(0.005), S(16) * p.b1 * setup.dt);
       p.b2 = p.b1 / S(3);
       p.b3 = std::min(S(8) * w, S(0.1) / setup.dt) * largest_inertia(setup.vehicle.J_B);
       p.b4 = S(0.03) * usable_torque(setup.vehicle) / std::pow(w, p.r);
@@ -71,6 +71,8 @@ class PrescribedPerformance {
       return p;
     }
   };
+
+  static constexpr Estimates uses(const Params&) noexcept { return {.d_B = true}; }
 
   /// Rate loop, and attitude loop at z_max in the closed funnel, where the transformation is steepest, must be stable when
   /// sampled.

@@ -13,7 +13,7 @@
 
 namespace gyrostat {
 
-/// No integral action; `compensate` takes the observer's torque instead.
+/// No integral action; `compensate` takes the observer's torque.
 template <class S>
 class SaturatedPd {
  public:
@@ -26,7 +26,7 @@ class SaturatedPd {
     S kp = S(1);
     S kd = S(5);
     S ws = S(0.1);
-    bool compensate = false;
+    bool compensate = true;
     S shadow_switch = S(1);
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -47,6 +47,8 @@ class SaturatedPd {
       return p;
     }
   };
+
+  static constexpr Estimates uses(const Params& p) noexcept { return {.d_B = p.compensate}; }
 
   /// The sampled damping must be stable about the smallest inertia.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

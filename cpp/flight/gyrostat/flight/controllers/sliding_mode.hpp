@@ -16,7 +16,7 @@
 
 namespace gyrostat {
 
-/// No fault estimate is used unless `compensate`.
+/// The comparison of the publication knows of no fault: `compensate = false`.
 template <class S>
 class SlidingMode {
  public:
@@ -28,7 +28,7 @@ class SlidingMode {
   static constexpr int nodes = 13;  ///< the origin, and one each way along each of the six inputs
 
   struct Params : SurfaceGains<S> {
-    bool compensate = false;
+    bool compensate = true;
     S network_rate = S(0);
     S network_leak = S(0.05);
     S network_reach = S(0.5);
@@ -48,6 +48,8 @@ class SlidingMode {
       return p;
     }
   };
+
+  static constexpr Estimates uses(const Params& p) noexcept { return {.d_B = p.compensate}; }
 
   /// The sampled slope must be stable about the smallest inertia.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

@@ -44,18 +44,22 @@ class TerminalSlidingMode {
       MrpSurfaceParams<S>::describe(p, field);
     }
 
-    /// Rates in proportion to the frequency of the default stiffness.
+    /// Rates in proportion to the frequency of the default stiffness; the slope of the terminal part at zero is at most
+    /// `fastest_law`.
     static Params defaults(const Setup<S>& setup) noexcept {
       const S f = default_stiffness(setup).frequency;
       Params p;
       MrpSurfaceParams<S>::scale(setup, p);
       p.a = S(0.7) * f;
       p.b = S(0.35) * f;
+      p.eta = std::max(S(0.01), std::pow((S(2) - p.g) * p.b / fastest_law(setup), S(1) / (S(1) - p.g)));
       p.k1 = S(1.2) * f;
       p.k2 = S(0.25) * f * std::pow(f, S(1) - p.g2);
       return p;
     }
   };
+
+  static constexpr Estimates uses(const Params&) noexcept { return {.d_B = true}; }
 
   /// Sampled slopes: of the surface at z1 = 0, of the way to it at |s| = 1e-3 /s, and of the layer.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

@@ -66,6 +66,8 @@ class ThresholdDetector {
     }
   };
 
+  static constexpr Estimates uses(const Params& p) noexcept { return {.d_B = p.use_torque, .effectiveness = true}; }
+
   /// A probe needs redundancy, room for it inside the limits, and four samples a period.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
     const Status<S> settled = Status<S>::require(p.settle <= p.hold_off, "settle", p.settle, p.hold_off, "<=");

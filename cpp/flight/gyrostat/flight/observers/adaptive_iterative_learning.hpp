@@ -18,6 +18,7 @@ class AdaptiveIterativeLearningObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "adaptive_iterative_learning";
+  static constexpr Estimates estimates{.effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< gain laws
 
@@ -67,6 +68,8 @@ class AdaptiveIterativeLearningObserver {
       return p;
     }
   };
+
+  static constexpr S effectiveness_floor(const Params& p) noexcept { return p.e_min; }
 
   /// The error loop must be stable at both ends of the gains; the switching term adds k2 / (layer J) to k1.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

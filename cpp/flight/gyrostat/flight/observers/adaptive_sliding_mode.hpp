@@ -13,6 +13,7 @@
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/observers/rate_predictor.hpp"
 #include "gyrostat/flight/stiffness.hpp"
 
@@ -23,6 +24,7 @@ class AdaptiveSlidingMode {
  public:
   using Scalar = S;
   static constexpr const char* name = "adaptive_sliding_mode";
+  static constexpr Estimates estimates{.effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;
 
@@ -32,7 +34,7 @@ class AdaptiveSlidingMode {
     S k_rho = S(1);
     S rho_max = S(0.05);
     S dead_zone = S(2e-3);
-    S e_min = S(0.05);  ///< as weak as the pseudo-inverse uses: an actuator that is given up is never learnt again
+    S e_min = default_effectiveness_floor<S>;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.gamma, Field{"gamma", "1/(N m rad)", 0, 1e12, "rate of adaptation"});
@@ -40,9 +42,8 @@ class AdaptiveSlidingMode {
       field(p.k_rho, Field{"k_rho", "N m/rad", 0, 1e9, "rate of the switching gain"});
       field(p.rho_max, Field{"rho_max", "N m", 0, 1e9, "largest switching gain"});
       field(p.dead_zone, Field{"dead_zone", "rad/s", 0, 1e3, "rate errors up to this leave the switching gain alone"});
-      field(p.e_min,
-            Field{"e_min", "", 0, 1,
-                  "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
+      field(p.e_min, Field{"e_min", "", 0, 1,
+                           "smallest estimate; no less than the e_min of the allocator, or it would stay there"});
     }
 
     /// L makes the rate error forget a tenth a period; gamma gives e the time constant of a hundred periods under a third of
@@ -58,6 +59,8 @@ class AdaptiveSlidingMode {
       return p;
     }
   };
+
+  static constexpr S effectiveness_floor(const Params& p) noexcept { return p.e_min; }
 
   /// Sampled, an axis with l = L dt / J and g = gamma u^2 dt^2 / J has z^2 - (2 - l - g) z + 1 - l under a steady command and
   /// z^2 - (l - g) z - (1 - l) under one that alternates: inside the unit circle (Jury) for g < 4 - 2 l and for g < 2 l. Held

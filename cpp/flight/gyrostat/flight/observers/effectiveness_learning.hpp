@@ -14,6 +14,7 @@
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/delay_line.hpp"
+#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/effectiveness_regression.hpp"
 #include "gyrostat/flight/schur.hpp"
 #include "gyrostat/flight/stiffness.hpp"
@@ -36,8 +37,8 @@ struct EffectivenessLearningParams {
   int delay = 1;
   S u_gate = S(0.05);
   S u_reg = S(0.02);
-  S e_min = S(0.05);
-  S e_max = S(1.1);
+  S e_min = default_effectiveness_floor<S>;
+  S e_max = S(1);
   S uncertainty = S(0.1);
   Mask frozen;
 
@@ -47,7 +48,8 @@ struct EffectivenessLearningParams {
     field(p.delay, Field{"delay", "samples", 1, max_delay, "learning interval T"});
     field(p.u_gate, Field{"u_gate", "N m", 0, 1e9, "an actuator whose torque is below this keeps its effectiveness"});
     field(p.u_reg, Field{"u_reg", "N m", 1e-12, 1e9, "regularisation of the regressor"});
-    field(p.e_min, Field{"e_min", "", 0, 1, "smallest estimate"});
+    field(p.e_min, Field{"e_min", "", 0, 1,
+                         "smallest estimate; no less than the e_min of the allocator, or it would stay there"});
     field(p.e_max, Field{"e_max", "", 1, 10, "largest estimate"});
     field(p.uncertainty, Field{"uncertainty", "", 0, 1, "relative half-width claimed for an estimate once excited"});
     field(p.frozen,

@@ -24,6 +24,7 @@ class FiniteTimeDisturbanceObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "finite_time_disturbance";
+  static constexpr Estimates estimates{.d_B = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< infinite slope at z1 = 0
 
@@ -45,12 +46,12 @@ class FiniteTimeDisturbanceObserver {
       field(p.substeps, Field{"substeps", "", 1, 1000, "Euler steps a period, the rate between samples on a line"});
     }
 
-    /// Gains of the homogeneous error dynamics with time scale T = 10 periods and rate scale a T, where a is the
-    /// acceleration at hand: a step of all of it is found within a few T on every vehicle.
+    /// Gains of the homogeneous error dynamics with time scale T, 10 periods or `observer_periods`, and rate scale a T, where a
+    /// is the acceleration at hand: a step of all of it is found within a few T on every vehicle.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
       const S alpha2 = S(2) * p.alpha1 - S(1);
-      const S T = S(10) * setup.dt;
+      const S T = observer_periods(setup, S(10)) * setup.dt;
       const S rate = usable_acceleration(setup.vehicle) * T;
       p.lambda1 = std::pow(rate, S(1) - p.alpha1) / T;
       p.lambda2 = S(0.6) * std::pow(rate, S(1) - alpha2) / (T * T);

@@ -15,6 +15,7 @@ class IterativeLearningObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "iterative_learning";
+  static constexpr Estimates estimates{.effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< an actuator crosses its gate
 
@@ -36,6 +37,8 @@ class IterativeLearningObserver {
       return p;
     }
   };
+
+  static constexpr S effectiveness_floor(const Params& p) noexcept { return p.e_min; }
 
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
     const bool stable = effectiveness_loop_is_stable(setup.dt, p.k1, p.k3, p.k4, p.k5, p.delay);

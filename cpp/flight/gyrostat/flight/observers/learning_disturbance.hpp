@@ -13,6 +13,7 @@
 
 #include "gyrostat/flight/euler_model.hpp"
 #include "gyrostat/flight/learning_recursion.hpp"
+#include "gyrostat/flight/stiffness.hpp"
 
 namespace gyrostat {
 
@@ -22,6 +23,7 @@ class LearningDisturbanceObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "learning_disturbance";
+  static constexpr Estimates estimates{.d_B = true};
   static constexpr bool axiswise = true;
 
   enum class Form : std::uint8_t { held, rolling };
@@ -48,13 +50,14 @@ class LearningDisturbanceObserver {
       field(p.start, Choice{"start", "measured|zero", "rate that the observer starts from"});
     }
 
-    /// Held, learning every sample: with M h = 0.4, k2 h = 0.15, k3 h = 0.05 a disturbance is found within some 15 samples, to
-    /// M (1 - k1) / (M (1 - k1) + k2 + k3) = 3.8 %.
+    /// Held, learning every sample: with M T = 4, k2 T = 1.5, k3 T = 0.5 and T of 10 periods or `observer_periods` a disturbance
+    /// is found within 1.5 T, to M (1 - k1) / (M (1 - k1) + k2 + k3) = 3.8 %.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
-      p.M = S(0.4) / setup.dt;
-      p.k2 = S(0.15) / setup.dt;
-      p.k3 = S(0.05) / setup.dt;
+      const S T = observer_periods(setup, S(10)) * setup.dt;
+      p.M = S(4) / T;
+      p.k2 = S(1.5) / T;
+      p.k3 = S(0.5) / T;
       p.interval = setup.dt;
       return p;
     }

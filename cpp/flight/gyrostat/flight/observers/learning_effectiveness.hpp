@@ -16,6 +16,7 @@
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/observers/effectiveness_confidence.hpp"
 #include "gyrostat/flight/observers/rate_predictor.hpp"
 #include "gyrostat/flight/stiffness.hpp"
@@ -28,6 +29,7 @@ class LearningEffectiveness {
  public:
   using Scalar = S;
   static constexpr const char* name = "learning_effectiveness";
+  static constexpr Estimates estimates{.effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< holds below u_exc, sign of w~ where n > 0
 
@@ -35,7 +37,7 @@ class LearningEffectiveness {
     S kappa = S(0.03);
     S u0 = S(0.3);
     S u_exc = S(0.3);
-    S e_min = S(0.05);  ///< as weak as the pseudo-inverse uses: an actuator that is given up is never learnt again
+    S e_min = default_effectiveness_floor<S>;
     Vec3<S> M = Vec3<S>::Constant(S(50));
     S n = S(0);
     S torque_error = S(0.3);
@@ -47,9 +49,8 @@ class LearningEffectiveness {
       field(p.kappa, Field{"kappa", "", 1e-6, 2, "share of the residual that is learned a sample"});
       field(p.u0, Field{"u0", "N m", 1e-12, 1e9, "command at which learning has half its rate"});
       field(p.u_exc, Field{"u_exc", "N m", 0, 1e9, "commands up to this one teach nothing: the estimate is held"});
-      field(p.e_min,
-            Field{"e_min", "", 0, 1,
-                  "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
+      field(p.e_min, Field{"e_min", "", 0, 1,
+                           "smallest estimate; no less than the e_min of the allocator, or it would stay there"});
       field(p.M, Field{"M", "N m s", 0, 1e9, "correction of the predicted rate"});
       field(p.n, Field{"n", "N m", 0, 1e9, "its switching part"});
       field(p.torque_error, Field{"torque_error", "N m", 1e-12, 1e9, "bound of what no command explains"});
@@ -68,6 +69,8 @@ class LearningEffectiveness {
       return p;
     }
   };
+
+  static constexpr S effectiveness_floor(const Params& p) noexcept { return p.e_min; }
 
   /// Learning contracts for kappa < 2 whatever the commands, since V' (V V' + u0^2)^-1 V has its eigenvalues in [0, 1).
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

@@ -14,6 +14,7 @@
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/chart.hpp"
 #include "gyrostat/flight/delay_line.hpp"
+#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/observers/rate_predictor.hpp"
 #include "gyrostat/flight/stiffness.hpp"
 
@@ -25,6 +26,7 @@ class LearningEffectivenessPrinted {
  public:
   using Scalar = S;
   static constexpr const char* name = "learning_effectiveness_printed";
+  static constexpr Estimates estimates{.effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;
 
@@ -38,7 +40,7 @@ class LearningEffectivenessPrinted {
     S n = S(0);
     S layer = S(0);
     S delay = S(0.01);
-    S e_min = S(0.05);  ///< as weak as the pseudo-inverse uses: an actuator that is given up is never learnt again
+    S e_min = default_effectiveness_floor<S>;
     Direction direction = Direction::none;
     S u_exc = S(0.3);
 
@@ -50,9 +52,8 @@ class LearningEffectivenessPrinted {
       field(p.n, Field{"n", "N m", 0, 1e9, "its switching part"});
       field(p.layer, Field{"layer", "rad/s", 0, 1e3, "boundary layer of the switching part; 0: sign, as printed"});
       field(p.delay, Field{"delay", "s", 1e-9, 1e6, "how long ago the earlier values are, a whole number of periods"});
-      field(p.e_min,
-            Field{"e_min", "", 0, 1,
-                  "smallest estimate; below the e_min of an allocator it would stay there, never commanded again"});
+      field(p.e_min, Field{"e_min", "", 0, 1,
+                           "smallest estimate; no less than the e_min of the allocator, or it would stay there"});
       field(p.direction, Choice{"direction", "none|command",
                                 "of the learning term: none as printed; sign of the command, held below u_exc"});
       field(p.u_exc, Field{"u_exc", "N m", 0, 1e9, "smallest command that teaches, with direction = command"});
@@ -73,6 +74,8 @@ class LearningEffectivenessPrinted {
       return p;
     }
   };
+
+  static constexpr S effectiveness_floor(const Params& p) noexcept { return p.e_min; }
 
   /// The prediction must be stable by itself, the delay a whole number of periods.
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {

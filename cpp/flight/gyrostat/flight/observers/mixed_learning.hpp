@@ -23,6 +23,7 @@ class MixedLearningObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "mixed_learning";
+  static constexpr Estimates estimates{.d_B = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< the sign term, when there is one
 
@@ -57,17 +58,19 @@ class MixedLearningObserver {
     MixedLearningGains<S> learning() const noexcept { return {K2, sigma2, sigma1, theta2, delay, clamp}; }
     S slope() const noexcept { return width > S(0) ? theta1 / width : S(0); }
 
-    /// The six design steps with P1 proportional to J J, which gives every axis the bandwidth b = 0.03 / dt: K2 = b^2 dt J,
-    /// K1 = b J; theta2 = 0.999 from eps = 5e-4, sigma1 inside its condition. Clamped at twice the usable torque.
+    /// The six design steps with P1 proportional to J J, which gives every axis a double pole at b = 1 / T with T of 33 periods
+    /// or `observer_periods`: K2 = b^2 dt J, K1 = 2 b J; theta2 = 0.9995 from eps = 2.5e-4, sigma1 inside its condition. Clamped
+    /// at twice the usable torque.
     static Params defaults(const Setup<S>& setup) noexcept {
       const Mat3<S>& J = setup.vehicle.J_B;
-      const S b = S(0.03) / setup.dt;
+      const S b = S(1) / (observer_periods(setup, S(33)) * setup.dt);
       Params p;
       p.K2 = b * b * setup.dt * J;
-      p.K1 = b * J;
-      // (14) with the unit of rate in which K1 meets (11): sigma1 < Jmin / Jmax sqrt(2 sigma2 / (b dt (1 + 1 / eps + 1)))
+      p.K1 = S(2) * b * J;
+      p.theta2 = S(0.9995);
+      // (14) with the unit of rate in which K1 meets (11): sigma1 < Jmin / Jmax sqrt(4 sigma2 / (b dt (1 + 1 / eps + 1)))
       const S ratio = smallest_inertia(J) / largest_inertia(J);
-      p.sigma1 = std::min(S(0.1), S(0.9) * ratio * std::sqrt(S(1.8) / (S(0.03) * S(2002))));
+      p.sigma1 = std::min(S(0.1), S(0.9) * ratio * std::sqrt(S(3.6) / (b * setup.dt * S(4002))));
       p.sigma2 = S(1) - p.sigma1;
       p.clamp = S(2) * usable_torque(setup.vehicle);
       return p;
