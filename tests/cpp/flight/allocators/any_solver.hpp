@@ -24,6 +24,7 @@ struct Posed {
   WorstCase worst_case = WorstCase::bound;
   double residual_weight = 1e4, margin = 0;
   std::vector<int> priority;
+  int max_newton = 200;
 
   std::size_t rows() const { return D.size(); }
   std::size_t actuators() const { return D[0].size(); }
@@ -105,6 +106,61 @@ inline Posed random_problem(Random& random, std::size_t rows, std::size_t n) {
     for (std::size_t r = 0; r < rows; ++r)
       p.demand[r] += D[r][i] * p.effectiveness[i] * far * t * (t > 0 ? p.up[i] : -p.lo[i]);
   }
+  return p;
+}
+
+/// A demand at a relative distance from the surface of the attainable set, negative inside: off a corner, an edge or a face,
+/// along the demand or across the surface.
+inline Posed problem_at_edge(Random& random, std::size_t rows, std::size_t n, double distance) {
+  Posed p = random_problem(random, rows, n);
+  const auto chance = [&](double share) { return random.uniform(0, 1) < share; };
+  const auto column = [&](std::size_t i) {
+    Numbers a;
+    for (const Numbers& row : p.D) a.push_back(row[i]);
+    return a;
+  };
+  const auto along = [](const Numbers& a, const Numbers& b) {
+    double sum = 0;
+    for (std::size_t r = 0; r < a.size(); ++r) sum += a[r] * b[r];
+    return sum;
+  };
+  if (rows == 3 && chance(0.3)) {  // the axes of the body and a pyramid, repeated: many corners and faces coincide
+    const double s = 1 / std::sqrt(3.0);
+    const double axes[7][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {s, s, s}, {s, -s, s}, {-s, -s, s}, {-s, s, s}};
+    for (std::size_t r = 0; r < rows; ++r)
+      for (std::size_t i = 0; i < n; ++i) p.D[r][i] = axes[i % 7][r];
+  }
+  if (chance(0.5)) p.effectiveness.assign(n, 1);
+  if (chance(0.5)) p.bound.assign(n, chance(0.5) ? 0.1 : random.log_uniform(1e-4, 0.5));
+
+  // v: at right angles to 0 (a corner), 1 (an edge) or rows - 1 (a face) of the axes
+  const double place = random.uniform(0, 1);
+  const std::size_t flat = place < 0.2 ? 0 : place < 0.4 ? 1 : rows - 1;
+  std::vector<Numbers> basis;
+  Numbers v;
+  for (std::size_t j = 0; j <= flat; ++j) {
+    v = column(std::size_t(random.uniform(0, 1) * double(n)) % n);
+    if (j == flat)
+      for (double& x : v) x = random.uniform(-1, 1);
+    for (int pass = 0; pass < 2; ++pass)
+      for (const Numbers& q : basis) {
+        const double c = along(q, v);
+        for (std::size_t r = 0; r < rows; ++r) v[r] -= c * q[r];
+      }
+    const double norm = std::sqrt(along(v, v));
+    if (norm < 1e-6) continue;  // the same axis once more
+    for (double& x : v) x /= norm;
+    basis.push_back(v);
+  }
+  p.demand.assign(rows, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double reach = along(v, column(i));
+    const double t = std::abs(reach) < 1e-9 ? random.uniform(p.lo[i], p.up[i]) : reach > 0 ? p.up[i] : p.lo[i];
+    for (std::size_t r = 0; r < rows; ++r) p.demand[r] += p.D[r][i] * p.effectiveness[i] * t;
+  }
+  const double size = std::sqrt(along(p.demand, p.demand));
+  const bool radial = chance(0.5);
+  for (std::size_t r = 0; r < rows; ++r) p.demand[r] += distance * (radial ? p.demand[r] : size * v[r]);
   return p;
 }
 

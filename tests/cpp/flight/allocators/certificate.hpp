@@ -182,7 +182,7 @@ inline Real worst_exact(const Problem& q, const Spread& s, const Vector& t) {
     const Real a = lo + (up - lo) / 3, b = up - (up - lo) / 3;
     (value(a) < value(b) ? up : lo) = value(a) < value(b) ? b : a;
   }
-  return std::sqrt(std::min(value((lo + up) / 2), value(up)));
+  return std::sqrt(std::min({value(lo), value((lo + up) / 2), value(up)}));  // a pole may sit at 1
 }
 
 enum class Shape { bound, exact, constant };

@@ -15,6 +15,7 @@ struct Settings {
   AllocationMode mode;
   WorstCase worst_case = WorstCase::bound;
   double least_weight = 1e4, largest_weight = 1e4, margin = 0;
+  bool at_edge = false;
 };
 
 class Certificates : public testing::TestWithParam<Kind> {
@@ -31,7 +32,9 @@ class Certificates : public testing::TestWithParam<Kind> {
     Random random(20);
     std::vector<Outcome> out;
     for (std::size_t k = 0; k < count; ++k) {
-      Posed p = random_problem(random, rows, actuators[k % actuators.size()]);
+      const std::size_t n = actuators[k % actuators.size()];
+      Posed p =
+          settings.at_edge ? problem_at_edge(random, rows, n, distance(random, k)) : random_problem(random, rows, n);
       p.mode = settings.mode;
       p.worst_case = settings.worst_case;
       p.residual_weight = random.log_uniform(settings.least_weight, settings.largest_weight);
@@ -46,15 +49,18 @@ class Certificates : public testing::TestWithParam<Kind> {
     return out;
   }
 
+  /// 1e-13 to 1, inside and outside in turn.
+  static double distance(Random& random, std::size_t k) { return random.log_uniform(1e-13, 1) * (k % 2 == 0 ? 1 : -1); }
+
   static Real median(std::vector<Real> values) {
     std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
     return values[values.size() / 2];
   }
 
-  void robust_gap_closes(WorstCase worst_case, Shape shape) const {
+  void robust_gap_closes(WorstCase worst_case, Shape shape, bool at_edge = false) const {
     const Real margin = single() ? Real(0.02f) : Real(0.02);
     std::vector<Real> gaps;
-    for (const Outcome& s : solve({AllocationMode::robust_socp, worst_case, 10, single() ? 1e4 : 1e5, 0.02})) {
+    for (const Outcome& s : solve({AllocationMode::robust_socp, worst_case, 10, single() ? 1e4 : 1e5, 0.02, at_edge})) {
       const certificate::Spread spread(s.q.D);
       const Real primal = certificate::robust_primal(s.q, spread, s.command, s.residual_weight, shape, margin);
       const Real dual =
@@ -125,6 +131,80 @@ TEST_P(Certificates, WeightedLeastSquaresClosesItsGap) {
 TEST_P(Certificates, RobustBoundClosesItsGap) { robust_gap_closes(WorstCase::bound, Shape::bound); }
 TEST_P(Certificates, RobustExactClosesItsGap) { robust_gap_closes(WorstCase::exact, Shape::exact); }
 TEST_P(Certificates, ConstantMarginClosesItsGap) { robust_gap_closes(WorstCase::paper_constant, Shape::constant); }
+
+TEST_P(Certificates, RobustBoundClosesItsGapThroughTheEdge) {
+  robust_gap_closes(WorstCase::bound, Shape::bound, /*at_edge=*/true);
+}
+TEST_P(Certificates, RobustExactClosesItsGapThroughTheEdge) {
+  robust_gap_closes(WorstCase::exact, Shape::exact, /*at_edge=*/true);
+}
+TEST_P(Certificates, ConstantMarginClosesItsGapThroughTheEdge) {
+  robust_gap_closes(WorstCase::paper_constant, Shape::constant, /*at_edge=*/true);
+}
+
+TEST_P(Certificates, ClosestTorqueAndLeastSquaresKeepTheirBoundsThroughTheEdge) {
+  for (const Outcome& s : solve({AllocationMode::lexicographic, WorstCase::bound, 1e4, 1e4, 0, /*at_edge=*/true})) {
+    const Vector r = certificate::residual(s.q, s.command);
+    const Real excess = std::min(certificate::residual_excess(s.q, s.command, r),
+                                 certificate::unweighted_excess(s.q, s.command, s.infeasibility_direction));
+    EXPECT_LE(excess, (single() ? 1e-4L : 1e-11L) * certificate::scale(s.q));
+  }
+  for (const Outcome& s :
+       solve({AllocationMode::weighted_least_squares, WorstCase::bound, 10, 1e4, 0, /*at_edge=*/true})) {
+    const Real primal = certificate::wls_primal(s.q, s.command, s.residual_weight);
+    EXPECT_LE(primal - certificate::wls_dual(s.q, s.multiplier, s.residual_weight),
+              (single() ? 2e-3L : 1e-12L) * primal);
+  }
+}
+
+/// The corner of three body axes and their sum, a billionth beyond: the residual is all but zero, and its direction says
+/// nothing of the size of the multiplier.
+TEST(RobustAtTheApex, IsProvenABillionthBeyondACorner) {
+  const double s = 1 / std::sqrt(3.0), corner[4] = {0.25, 0.25, -0.25, 0.25};
+  Posed p = Posed::with_axes({{1, 0, 0, s}, {0, 1, 0, s}, {0, 0, 1, s}}, 0.25);
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t i = 0; i < 4; ++i) p.demand[r] += (1 + 1e-9) * p.D[r][i] * corner[i];
+  p.bound.assign(4, 0.1);
+  p.mode = AllocationMode::robust_socp;
+  p.residual_weight = 1e3;
+  const Outcome out = Kind{"double3", false, 3}.solver()->solve(p);
+  const certificate::Spread spread(out.q.D);
+  const Real primal = certificate::robust_primal(out.q, spread, out.command, 1e3, Shape::bound, 0);
+  const Real dual =
+      certificate::robust_dual(out.q, spread, out.command, out.multiplier, out.theta, 1e3, Shape::bound, 0);
+  EXPECT_NE(out.status, AllocationStatus::cap_reached);
+  EXPECT_LE(primal - dual, 1e-8L * primal);
+}
+
+TEST_P(Certificates, StatusSaysNoMoreThanTheyDo) {
+  // Weights and bounds far beyond sense, and few Newton steps: what is called optimal is proven so all the same.
+  const std::size_t rows = static_cast<std::size_t>(GetParam().rows);
+  const std::unique_ptr<AnySolver> solver = GetParam().solver();
+  Random random(23);
+  int unproven = 0;
+  for (std::size_t k = 0; k < 600; ++k) {
+    Posed p = problem_at_edge(random, rows, rows + k % 7, distance(random, k));
+    for (double& b : p.bound) b *= random.log_uniform(1e-3, 1e2);
+    p.residual_weight = random.log_uniform(1e-2, 1e12);
+    p.max_newton = k % 3 == 0 ? 3 : 200;
+    p.mode = k % 2 == 0 ? AllocationMode::robust_socp : AllocationMode::weighted_least_squares;
+    solver->reset();
+    const Outcome s = solver->solve(p);
+    const Real h = s.residual_weight;
+    const certificate::Spread spread(s.q.D);
+    const bool robust = k % 2 == 0;
+    const Real primal = robust ? certificate::robust_primal(s.q, spread, s.command, h, Shape::bound, 0)
+                               : certificate::wls_primal(s.q, s.command, h);
+    const Real dual = robust
+                          ? certificate::robust_dual(s.q, spread, s.command, s.multiplier, s.theta, h, Shape::bound, 0)
+                          : certificate::wls_dual(s.q, s.multiplier, h);
+    unproven += s.status == AllocationStatus::cap_reached;
+    if (s.status == AllocationStatus::cap_reached) continue;
+    const Real rounding = (single() ? 4e-7L : 2e-13L) * certificate::scale(s.q) * certificate::norm(s.multiplier);
+    EXPECT_LE(primal - dual, (single() ? 2e-3L : robust ? 1e-8L : 1e-12L) * primal + rounding) << k;
+  }
+  EXPECT_GT(unproven, 30);  // the short ones
+}
 
 TEST_P(Certificates, ScaledShareIsTheLargestOne) {
   const Real target = single() ? 1e-4L : 1e-10L;

@@ -28,8 +28,8 @@ enum class WorstCase : std::uint8_t {
 enum class AllocationStatus : std::uint8_t {
   optimal,          ///< optimal, and the demand is delivered (weighted modes: to a thousandth)
   optimal_reduced,  ///< optimal, but the demand cannot or is not to be delivered in full
-  cap_reached,      ///< an iteration limit ended the solve: inside the box, gap reported
-  bad_input         ///< refused: the previous command, clipped
+  cap_reached,  ///< not proven optimal to the documented bound (an iteration limit, rounding): inside the box, gap reported
+  bad_input  ///< refused: the previous command, clipped
 };
 
 /// Bits of AllocationSolution::warnings.

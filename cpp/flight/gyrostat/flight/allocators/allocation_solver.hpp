@@ -198,7 +198,7 @@ class AllocationSolver {
     const Torque y = state.multiplier * (geometry_ / (effort_ * torque_));
     const bool weighted = p.mode == AllocationMode::weighted_least_squares || p.mode == AllocationMode::robust_socp;
     const S largest = (weighted ? S(10) * residual_weight_ : single ? S(1e2) : S(1e6)) * (size_ + S(1));
-    return y.cwiseAbs().maxCoeff() <= largest ? y : Torque::Zero();
+    return y.allFinite() && y.cwiseAbs().maxCoeff() <= largest ? y : Torque::Zero();
   }
 
   /// Rows of the smallest priority number first; what they achieve is then held while the next come as close as they can.
@@ -215,6 +215,7 @@ class AllocationSolver {
     Eigen::Matrix<S, M, M> settled = Eigen::Matrix<S, M, M>::Zero();
     unsigned held = 0;
     bool attained = true;
+    S excess = S(0);
     for (int level = *first; level <= *last; ++level) {
       unsigned rows = 0;
       for (int r = 0; r < M; ++r) rows |= p.priority[size_t(r)] == level ? 1u << r : 0u;
@@ -226,6 +227,7 @@ class AllocationSolver {
       closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton, held, settled).from(Torque::Zero());
       out.outer += closest.rounds + 1;
       attained = attained && closest.attained;
+      excess = std::max(excess, closest.excess);
       if (!closest.attained) settled += settle(closest);
       held |= rows;
       for (int r = 0; r < M; ++r) {
@@ -235,6 +237,7 @@ class AllocationSolver {
       }
     }
     closest.attained = attained;
+    closest.excess = excess;
     return closest;
   }
 
@@ -297,15 +300,38 @@ class AllocationSolver {
       const S g = s_max * p.bound[i] * effectiveness_[k];
       robust.effort[k] = weight_[k];
       robust.preferred[k] = kernel_.preferred[k];
-      robust.growth[k] = p.worst_case == WorstCase::paper_constant ? S(0) : residual_weight_ * g * g;
+      const S growth = std::min(residual_weight_ * g * g, single ? S(1e20) : S(1e100));  // finite over any theta
+      robust.growth[k] = p.worst_case == WorstCase::paper_constant ? S(0) : growth;
     }
-    if (p.worst_case == WorstCase::exact) robust.Sb = spread_.Sb;
     if (p.worst_case == WorstCase::paper_constant) robust.margin = p.margin / (geometry_ * torque_);
     robust.h = residual_weight_;
     const bool warm = state.valid && state.mode == p.mode && state.theta > S(0) && state.theta <= S(1);
-    const S theta = robust.solve(kernel_, start, warm ? state.theta : S(0.5), p.max_newton);
+    const S first = warm ? state.theta : S(0.5);
+    S theta = S(0);
+    if (p.worst_case == WorstCase::exact) {
+      robust.values = spread_.values;
+      theta = along_axes([&](const Torque& y) { return robust.solve(kernel_, y, first, p.max_newton); }, start);
+    } else {
+      theta = robust.solve(kernel_, start, first, p.max_newton);
+      y_ = kernel_.y();
+    }
+    command_ = robust.tau;
     capped = robust.capped;
     out.outer = robust.outer;
+    return theta;
+  }
+
+  /// A solve in the eigenvectors of Sb: there R is diagonal, and its small element is not lost beside the large ones.
+  S along_axes(auto&& solve, const Torque& start) noexcept {
+    const auto& axes = spread_.axes;
+    const std::array<Torque, N> a = kernel_.a;
+    const Torque b = kernel_.b;
+    for (int i = 0; i < kernel_.n; ++i) kernel_.a[size_t(i)] = axes.transpose() * a[size_t(i)];
+    kernel_.b = axes.transpose() * b;
+    const S theta = solve(Torque(axes.transpose() * start));
+    y_ = axes * kernel_.y();
+    kernel_.a = a;
+    kernel_.b = b;
     return theta;
   }
 
@@ -317,10 +343,11 @@ class AllocationSolver {
       y_ = closest.y;
       return;
     }
+    if (p.mode == AllocationMode::robust_socp) return;  // it left them
     for (int i = 0; i < kernel_.n; ++i) command_[size_t(i)] = kernel_.tau(i);
     y_ = kernel_.y();
     const bool cancels = y_.cwiseAbs().maxCoeff() * std::numeric_limits<S>::epsilon() > (single ? S(1e-5) : S(1e-9));
-    if (!cancels || p.mode != AllocationMode::weighted_least_squares) return;
+    if (!cancels) return;
     const Polished<S, M, N> polished = polish<S, M, N>(kernel_, S(1) / residual_weight_);
     polished_ = objective(polished.tau, polished.residual) <= objective(command_, residual(command_));
     if (polished_) command_ = polished.tau;
@@ -344,6 +371,10 @@ class AllocationSolver {
     }
     return sum / S(2);
   }
+
+  struct Certificate {
+    S primal, gap;
+  };
 
   /// SI values of what is issued, its worst case and certificate.
   void report(const Problem& p, S theta, const Closest& closest, bool capped, Solution& out) const noexcept {
@@ -378,11 +409,18 @@ class AllocationSolver {
     out.dual = (c.primal - c.gap) * unit;
 
     const bool delivered = is_lexicographic(p) ? closest.attained : meets(p, out);
-    if (capped)
+    if (capped || !proven(p, closest, c))
       out.status = AllocationStatus::cap_reached;
     else if (!delivered)
       out.status = AllocationStatus::optimal_reduced;
     if (out.status != AllocationStatus::optimal) prove_infeasible(p, closest, weighted, out);
+  }
+
+  /// The certificate is within the documented bound, or below what the rounding of the torques leaves of the objective.
+  bool proven(const Problem& p, const Closest& closest, const Certificate& c) const noexcept {
+    if (is_lexicographic(p)) return closest.excess <= (single ? S(1e-4) : S(1e-11)) * size_;
+    const S relative = single ? S(2e-3) : p.mode == AllocationMode::robust_socp ? S(1e-8) : S(1e-12);
+    return c.gap <= relative * c.primal + kernel_.tolerance * y_.norm();
   }
 
   /// Weighted modes never deliver all of a demand: a thousandth may be missing.
@@ -396,10 +434,6 @@ class AllocationSolver {
     if (p.mode == AllocationMode::robust_socp && p.worst_case == WorstCase::paper_constant) return norm + p.margin;
     return spread_.bound(norm, uncertain);
   }
-
-  struct Certificate {
-    S primal, gap;
-  };
 
   /// In the kernel's units. The gap is a sum over cones and actuators, no term of which is negative.
   Certificate certificate(const Problem& p, S theta, S effort, const Torque& r, S worst, S uncertain) const noexcept {

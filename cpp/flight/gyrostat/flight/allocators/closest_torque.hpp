@@ -66,6 +66,7 @@ class ClosestTorqueSolve {
       if (exactly(y)) {
         keep_current(out);
         out.attained = true;
+        out.excess = S(0);
         return out;
       }
       if (out.rounds == 0 && k.y().norm() * delta <= S(10) * size_) y = k.y();  // later rounds go on from the last one

@@ -84,6 +84,8 @@ class DualNewton {
     factor();
     return solve_factored(v);
   }
+  /// The same for another v, with the factor at hand.
+  Torque solve_again(const Torque& v) const noexcept { return solve_factored(v); }
 
  private:
   struct Point {

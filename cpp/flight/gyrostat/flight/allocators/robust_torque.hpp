@@ -23,67 +23,166 @@ struct RobustTorque {
 
   // The problem, in the scaled units of the kernel.
   std::array<S, N> effort, preferred;
-  std::array<S, N> growth;  ///< h s_max^2 (bound_i e_i)^2; zero for a constant margin
-  Matrix Sb = Matrix::Identity();
+  std::array<S, N> growth;         ///< h s_max^2 (bound_i e_i)^2; zero for a constant margin
+  Torque values = Torque::Ones();  ///< of Sb, whose eigenvectors are the axes of the problem
   S h = S(1);
   S margin = S(-1);  ///< constant spread; negative: it grows with tau
 
-  // The answer, beside the kernel's.
+  // The answer, beside the kernel's multiplier.
+  std::array<S, N> tau;
   int outer = 0;
   bool capped = false;
 
   /// Solves from (y, theta); returns theta.
   S solve(DualNewton<S, M, N>& k, const Torque& start, S theta, int cap) noexcept {
-    constexpr bool single = sizeof(S) < 8;
-    constexpr S tolerance = single ? S(1e-4) : S(1e-10);
-    constexpr S edge = single ? S(1e-6) : S(1e-9);  // how close to 1 theta is resolved
-    if (!uncertain(k.n)) {
+    Found found{{S(0), S(1)}, false};
+    if (uncertain(k.n)) {
+      found = search(k, start, theta, cap);
+    } else {
       weights(k, S(0));
-      k.R = Matrix::Identity() / h;
-      k.centre.setZero();
-      capped = k.solve(start, std::min(cap, k.steps + 60)) == NewtonOutcome::capped;
-      return S(0);
+      capped = !inside(k, start, found.split, cap);
     }
-    S lo = S(0), up = S(1), postponed = S(0);
-    bool tried_one = false;
-    Torque y = start;
-    for (outer = 1; outer <= 40; ++outer) {
-      weights(k, theta);
-      const bool reached = theta < S(1) ? inside(k, y, theta, cap) : at_one(k, y, cap);
-      if (k.steps >= cap) break;
-      const Torque Sy = Sb * k.y();
-      const S ySy = std::max(k.y().dot(Sy), S(0));
-      const S split = theta * std::sqrt(ySy), worst = h * spread(k);
-      const S f = reached ? split - worst : std::numeric_limits<S>::infinity();
-      if (reached) y = k.y();
-      if (std::abs(f) <= tolerance * (split + worst) || (theta == S(1) && f <= S(0))) return theta;
-      if (f > S(0) ? theta <= S(1e-10) : theta >= S(1) - S(2) * edge) return theta;
-      (f > S(0) ? up : lo) = theta;
-      if (up - lo <= tolerance * lo * (S(1) - lo)) return theta;
-      const S middle = logistic((logit(std::max(lo, S(1e-10))) + logit(std::min(up, S(1) - edge))) / S(2));
-      if (theta == S(1)) {
-        theta = postponed > lo ? postponed : middle;
-        continue;
-      }
-      const S step = newton(k, theta, Sy, ySy, worst);
-      if (std::abs(step) <= S(10) * tolerance) return theta;  // rounding of y may keep f above its own tolerance
-      const S next = logistic(logit(theta) + std::clamp(step, S(-8), S(8)));
-      const bool usable = std::isfinite(step) && next > lo && next < up && !(outer > 10 && outer % 2 == 0);
-      if (step > S(6) && up == S(1) && !tried_one) {
-        tried_one = true;
-        postponed = usable ? next : S(0);
-        theta = S(1);
-      } else {
-        theta = std::clamp(usable ? next : middle, S(1e-10), S(1) - edge / S(2));
-      }
-    }
-    capped = true;
+    theta = found.root ? settle(k, found.split, cap) : found.split.theta;
+    refine(k, found.split.rest);
     return theta;
   }
 
  private:
-  static S logit(S t) noexcept { return std::log(t / (S(1) - t)); }
-  static S logistic(S x) noexcept { return S(1) / (S(1) + std::exp(-x)); }
+  static constexpr bool single = sizeof(S) < 8;
+  static constexpr S infinity = std::numeric_limits<S>::infinity();
+  static constexpr S tolerance = single ? S(1e-4) : S(1e-10);  // relative, of theta |Sb^(1/2) y| against h spread
+  static constexpr S coarse = single ? S(1e-2) : S(1e-5);      // of logit(theta), where settling is enough
+  static constexpr S bottom = S(-23);                          // logit(theta): below, next to nothing is commanded
+  static constexpr S top = single ? S(16) : S(36);             // above, 1 - theta is below rounding
+
+  /// theta and 1 - theta, each with its own digits: near the apex of the cone the residual is (1 - theta) y / h.
+  struct Split {
+    S theta, rest;
+    static Split at(S logit) noexcept {
+      const S small = std::exp(-std::abs(logit)), large = S(1) / (S(1) + small);
+      return logit < S(0) ? Split{small * large, large} : Split{large, small * large};
+    }
+    static constexpr Split one() noexcept { return {S(1), S(0)}; }
+  };
+
+  struct Found {
+    Split split;
+    bool root;  // false: an end of the interval, or out of iterations
+  };
+
+  /// The root in logit(theta), by Newton steps inside a bracket.
+  Found search(DualNewton<S, M, N>& k, const Torque& start, S theta, int cap) noexcept {
+    S lo = -infinity, up = infinity, postponed = -infinity,
+      x = std::clamp(std::log(theta / (S(1) - theta)), bottom, top);
+    bool tried_one = !(theta < S(1));
+    Split split = tried_one ? Split::one() : Split::at(x);
+    Torque y = start;
+    for (outer = 1; outer <= 40; ++outer) {
+      weights(k, split.theta);
+      const bool apex = !(split.rest > S(0));
+      const int before = k.steps;
+      const bool reached = apex ? at_one(k, y, cap) : inside(k, y, split, cap);
+      if (k.steps >= cap) break;
+      const Torque Sy = values.cwiseProduct(k.y());
+      const S ySy = std::max(k.y().dot(Sy), S(0));
+      const S covered = split.theta * std::sqrt(ySy), worst = h * spread(k);
+      const S f = reached ? covered - worst : infinity;
+      if (reached) y = k.y();
+      if (std::abs(f) <= tolerance * (covered + worst) || (apex && f <= S(0))) return {split, !apex};
+      if (apex) {
+        x = postponed > lo ? postponed : lo > -infinity ? middle(lo, up) : S(0);
+        split = Split::at(x);
+        continue;
+      }
+      if (f < S(0) && x >= top) return {Split::one(), false};
+      if (f > S(0) && x <= bottom) return {split, false};
+      (f > S(0) ? up : lo) = x;
+      if (up - lo <= tolerance) return {split, true};
+      const auto [step, rounding] = newton(k, split, Sy, ySy, worst);
+      const bool unresolved = std::abs(step) <= rounding && (rounding < S(1) || up - lo < infinity);
+      const bool still = k.steps == before && std::abs(step) <= coarse;
+      if (std::abs(step) <= S(10) * tolerance || unresolved || still) return {split, true};
+      const S next = std::clamp(x + std::clamp(step, S(-8), S(8)), bottom, top);
+      const bool usable = std::isfinite(step) && next > lo && next < up && !(outer > 10 && outer % 2 == 0);
+      if ((step > S(6) || !usable) && up == infinity && !tried_one) {
+        tried_one = true;
+        postponed = usable ? next : -infinity;
+        split = Split::one();
+      } else {
+        x = usable ? next : middle(lo, up);
+        split = Split::at(x);
+      }
+    }
+    capped = true;
+    return {split, false};
+  }
+
+  /// Of a bracket; the end of the interval where there is none yet.
+  static S middle(S lo, S up) noexcept {
+    if (up > top) return top;
+    return lo < bottom && up - bottom < S(1) ? bottom : (std::max(lo, bottom) + up) / S(2);
+  }
+
+  /// I - (1 - rest) Sb: on the axis of the largest eigenvalue, which is 1, its digits are those of rest.
+  Torque softness(S rest) const noexcept { return (Torque::Ones() - values) + rest * values; }
+
+  /// At the root, y and theta made one: with the spread held, theta = h spread / |Sb^(1/2) y| belongs to y itself, and
+  ///
+  ///     F(y) = A tau(y) - b + (y - h spread Sb y / |Sb^(1/2) y|) / h
+  ///
+  /// has a Jacobian of 1/h along y where R has (1 - theta)/h. So the multiplier of a demand just out of reach, which R y = r
+  /// leaves to rounding, follows from the size of the worst case. Across y it stays where it is but for `anchor`.
+  S settle(DualNewton<S, M, N>& k, const Split& split, int cap) noexcept {
+    constexpr S anchor = single ? S(1e-3) : S(1e-6);
+    const Torque b = k.b;
+    const bool ill = k.tolerance * h > S(1e-2) * tolerance * split.rest * k.y().norm();
+    S theta = split.theta, last = S(0);
+    for (int round = 0;; ++round) {
+      const Torque y = k.y(), Sy = values.cwiseProduct(y);
+      const S size = std::sqrt(y.dot(Sy)), worst = spread(k);
+      if (!(size > S(0) && size < infinity && h * worst < infinity)) break;
+      theta = std::min(h * worst / size, S(1));
+      if (!ill || round == 5 || std::abs(size - last) <= S(1e-2) * tolerance * size) break;
+      last = size;
+      const S rest = std::max(split.rest, anchor);
+      const Torque along = Sy / size;
+      k.R = (S(1) - rest) * along * along.transpose();
+      k.R.diagonal() += softness(rest);
+      k.R /= h;
+      k.b = b + worst * along;
+      k.solve(y, std::min(cap, k.steps + 60));
+    }
+    k.b = b;
+    return theta;
+  }
+
+  /// What the rounding of a large multiplier leaves of F, taken out of the unclipped commands themselves.
+  void refine(const DualNewton<S, M, N>& k, S rest) noexcept {
+    Matrix J = damping(k) * Matrix::Identity();
+    for (int i = 0; i < k.n; ++i) {
+      const std::size_t j = std::size_t(i);
+      tau[j] = k.tau(i);
+      if (k.is_free(i)) J += k.compliance[j] * k.a[j] * k.a[j].transpose();
+    }
+    for (int pass = 0; pass < 2; ++pass) {
+      Torque F = softness(rest).cwiseProduct(k.y()) / h - k.b;
+      for (int i = 0; i < k.n; ++i) F += tau[std::size_t(i)] * k.a[std::size_t(i)];
+      Ldl<S, M> factor;
+      if (!(F.cwiseAbs().maxCoeff() > S(10) * k.tolerance) || !factor.factor(J, S(0))) return;
+      const Torque d = factor.solve(F);
+      if (!d.allFinite()) return;
+      for (int i = 0; i < k.n; ++i) {
+        const std::size_t j = std::size_t(i);
+        if (k.is_free(i)) tau[j] = std::min(std::max(tau[j] - k.compliance[j] * k.a[j].dot(d), k.lo[j]), k.up[j]);
+      }
+    }
+  }
+
+  static S damping(const DualNewton<S, M, N>& k) noexcept {
+    S trace = S(0);
+    for (int i = 0; i < k.n; ++i) trace += k.compliance[std::size_t(i)] * k.a[std::size_t(i)].squaredNorm();
+    return (single ? S(1e-3) : S(1e-6)) * (trace > S(0) ? trace / S(M) : S(1));
+  }
 
   bool uncertain(int n) const noexcept {
     bool any = margin > S(0);
@@ -107,30 +206,28 @@ struct RobustTorque {
     return std::sqrt(sum / h);
   }
 
-  bool inside(DualNewton<S, M, N>& k, const Torque& y, S theta, int cap) const noexcept {
-    k.R = (Matrix::Identity() - theta * Sb) / h;
+  bool inside(DualNewton<S, M, N>& k, const Torque& y, const Split& split, int cap) const noexcept {
+    k.R = (softness(split.rest) / h).asDiagonal();
     k.centre.setZero();
     return k.solve(y, std::min(cap, k.steps + 60)) != NewtonOutcome::capped;
   }
 
   /// theta = 1: (I - Sb)/h is singular, wholly so for the bound, and the demand may be out of reach: false then.
   bool at_one(DualNewton<S, M, N>& k, Torque y, int cap) const noexcept {
-    constexpr bool single = sizeof(S) < 8;
-    const Matrix soft = (Matrix::Identity() - Sb) / h;
+    const Torque soft = softness(S(0)) / h;
     const Torque b = k.b;
-    k.R = soft;
+    k.R = soft.asDiagonal();
     k.centre.setZero();
     const NewtonOutcome exact = k.solve(y, std::min(cap, k.steps + 60), /*stop_at_singular=*/true);
-    if (exact == NewtonOutcome::converged || exact == NewtonOutcome::floor) return true;
-    S trace = S(0);
-    for (int i = 0; i < k.n; ++i) trace += k.compliance[std::size_t(i)] * k.a[std::size_t(i)].squaredNorm();
-    const S delta = (single ? S(1e-3) : S(1e-6)) * (trace > S(0) ? trace / S(M) : S(1));
+    if (exact == NewtonOutcome::converged) return true;
+    if (exact == NewtonOutcome::floor && k.F().cwiseAbs().maxCoeff() <= S(10) * k.tolerance) return true;
+    const S delta = damping(k);
     S last = std::numeric_limits<S>::infinity();
     bool reached = false;
-    k.R = soft + delta * Matrix::Identity();
+    k.R.diagonal().array() += delta;
     for (int round = 0; round < 8 && !reached; ++round) {
       k.centre = y;
-      k.b = b - soft * y;
+      k.b = b - soft.cwiseProduct(y);
       if (k.solve(y, std::min(cap, k.steps + 60)) == NewtonOutcome::capped) break;
       const S left = delta * (k.y() - y).cwiseAbs().maxCoeff();
       y = k.y();
@@ -143,8 +240,13 @@ struct RobustTorque {
     return reached;
   }
 
-  /// Newton step of ln(theta |Sb^(1/2) y|) - ln(h spread) in logit(theta).
-  S newton(DualNewton<S, M, N>& k, S theta, const Torque& Sy, S ySy, S worst) const noexcept {
+  struct Step {
+    S step, rounding;
+  };
+
+  /// Newton step of ln(theta |Sb^(1/2) y|) - ln(h spread) in logit(theta), and what the tolerance of F leaves open of it.
+  Step newton(DualNewton<S, M, N>& k, const Split& split, const Torque& Sy, S ySy, S worst) const noexcept {
+    const S theta = split.theta;
     std::array<S, N> rate{};  // of tau_i with theta at fixed y
     Torque dF = -Sy / h;
     for (int i = 0; i < k.n; ++i) {
@@ -160,9 +262,9 @@ struct RobustTorque {
         const std::size_t j = std::size_t(i);
         if (k.is_free(i)) dspread += growth[j] * k.tau(i) * (rate[j] + k.a[j].dot(dy) * k.compliance[j]);
       }
-    const S slope = S(1) / theta + Sy.dot(dy) / ySy - h * dspread / (worst * worst);
+    const S slope = (S(1) / theta + Sy.dot(dy) / ySy - h * dspread / (worst * worst)) * theta * split.rest;
     const S value = std::log(theta * std::sqrt(ySy) / worst);
-    return -value / (slope * theta * (S(1) - theta));
+    return {-value / slope, k.tolerance * k.solve_again(Sy).norm() / (ySy * std::abs(slope))};
   }
 };
 

@@ -44,12 +44,13 @@ struct TorqueSpread {
   /// Exact worst case, from above: any theta gives an upper bound, the best one gives equality.
   /// `theta` is where the search starts; 0 or 1 when nothing is known.
   S exact(const Torque& residual, S rho, S theta = S(0)) const noexcept {
+    constexpr S epsilon = std::numeric_limits<S>::epsilon(), last = S(1) - epsilon;  // a pole may sit at 1
     const Torque r = axes.transpose() * residual;
     const S spread = s_max * s_max * rho * rho;
     S best = square(bound(residual.norm(), rho)), lo = S(0), up = S(1);
     if (!(theta > S(0) && theta < S(1))) theta = s_max * rho / (s_max * rho + std::abs(r[M - 1]));
-    if (r[M - 1] != S(0)) theta = std::min(theta, S(1) - std::numeric_limits<S>::epsilon());  // a pole sits at 1
-    for (int k = 0; k < 60 && theta > lo && theta <= up; ++k) {
+    theta = std::min(theta, last);
+    for (int k = 0; k < 60 && theta > lo && theta < up; ++k) {
       S value = spread / theta, slope = -value / theta, curvature = -S(2) * slope / theta;
       for (int j = 0; j < M; ++j) {
         if (r[j] == S(0)) continue;
@@ -60,8 +61,8 @@ struct TorqueSpread {
       }
       best = value < best ? value : best;
       (slope > S(0) ? up : lo) = theta;
-      const S next = std::min(theta - slope / curvature, S(1));
-      if (!(std::abs(next - theta) > std::sqrt(std::numeric_limits<S>::epsilon()) * theta)) break;
+      const S next = std::min(theta - slope / curvature, last);
+      if (!(std::abs(next - theta) > std::sqrt(epsilon) * std::min(theta, S(1) - theta))) break;
       theta = next > lo && next < up ? next : (lo + up) / S(2);
     }
     return std::sqrt(best);
