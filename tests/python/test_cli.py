@@ -132,6 +132,8 @@ def test_set_takes_numbers_words_and_lists() -> None:
         (["export", "ftc_4rw", "--target", "rust", "--out", "new"], ["no target 'rust'", "cpp"]),
         (["export", "ftc_4rw", "--target", "c"], ["Missing option", "--out"]),
         (["check", "ftc_4rw", "--out", "new"], ["nothing to draw", "learning_disturbance"]),
+        (["check", "ftc_4rw", "--torque", "0", "nan", "1"], ["--torque 0.0 nan 1.0", "finite"]),
+        (["check", "ftc_4rw", "--effectiveness", "1", "0.5"], ["--effectiveness 1 0.5", "lower end"]),
         (["fly"], ["No such command 'fly'"]),
         (["run"], ["Missing argument"]),
     ],
@@ -214,6 +216,38 @@ def test_the_schema_accepts_what_runs_and_refuses_typing_errors(tmp_path: Path) 
         validator.validate(tables)
         for wrong in ({**tables, "durtion": 1}, {**tables, "observer": {"type": "passthrogh"}}, {**tables, "dt": "x"}):
             assert not validator.is_valid(wrong)
+
+
+def test_the_schema_tells_a_mistake_of_the_type_that_was_meant() -> None:
+    validator = jsonschema.Draft202012Validator(scenario_schema())
+    tables = gs.Scenario.load("wheel2_degraded").to_dict()
+    wave = {"type": "sine", "ampltude": 1.0}
+    fault = tables["faults"][0]
+    for wrong, said in (
+        ({"observer": {"type": "passthrogh"}}, "'passthrogh' is not one of ['adaptive_iterative_learning'"),
+        ({"observer": "passthrogh"}, "'passthrogh' is not one of ['adaptive_iterative_learning'"),
+        ({"observer": {"type": "finite_time_disturbance", "lamda1": 1.0}}, "('lamda1' was unexpected)"),
+        ({"observer": {"lambda1": 1.0}}, "'type' is a required property"),
+        ({"observer": {"type": "finite_time_disturbance", "lambda1": -1.0}}, "-1.0 is less than the minimum"),
+        ({"faults": [{"type": "dead"}]}, "'actuator' is a required property"),
+        ({"faults": [{**fault, "remaining": wave}]}, "('ampltude' was unexpected)"),
+        ({"initial": {"mrp": [0.0, 0.0]}}, "[0.0, 0.0] is too short"),
+    ):
+        error = jsonschema.exceptions.best_match(validator.iter_errors(tables | wrong))
+        assert error is not None, wrong
+        assert said in error.message
+    for right in (
+        {"observer": "passthrough"},
+        {"faults": [{**fault, "remaining": {"type": "sine", "amplitude": 1.0}}]},
+    ):
+        validator.validate(tables | right)
+
+
+def test_check_and_run_say_what_looks_like_a_mistake() -> None:
+    late = "faults[0] 'loss_of_effectiveness' never begins: t_on = 20 s, and the run ends at 3 s"
+    assert late in gyrostat("run", "wheel2_degraded", *SHORT).stdout
+    assert late in gyrostat("check", "wheel2_degraded", *SHORT).stdout
+    assert printed("run", "wheel2_degraded", *SHORT, "--json")["remarks"] == [late]
 
 
 def test_the_schema_names_every_parameter() -> None:

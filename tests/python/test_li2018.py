@@ -144,7 +144,7 @@ def test_metrics_of_the_study_on_made_up_signals() -> None:
     assert signals.largest_increase(result, signal=-t) == pytest.approx(-0.01)
     assert signals.largest_increase(result, signal=bump) == 1.0
     twice = gs.Result({"duration": 10.0}, t, {}, end_time=10.0)
-    assert signals.ratio(result, signal=4.0 * t, against=twice, other=2.0 * t, window=(1.0, 9.0)) == pytest.approx(2.0)
+    assert measures.ratio(result, signal=4.0 * t, against=twice, other=2.0 * t, window=(1.0, 9.0)) == pytest.approx(2.0)
     late = np.where(t < 7.0, 1.0, 0.0)
     early = np.where(t < 4.0, 1.0, 0.0)
     found = signals.settling_difference(result, signal=late, against=twice, other=early, band=0.5)

@@ -101,5 +101,14 @@ TYPED_TEST(Power, ClipKeepsWhatIsInsideAndAcceptsInfiniteLimits) {
   EXPECT_EQ(out[2], S(1e6));
 }
 
+TYPED_TEST(Power, SaturatedIsAtALimitAndNotAtRest) {
+  using S = TypeParam;
+  VecN<S> u(6), lo(6), up(6);
+  u << S(0.2), S(-0.2), S(0.1), S(0), S(0), S(0.3);
+  lo << S(-0.2), S(-0.2), S(-0.2), S(0), S(0), S(0.3);  // the fourth is a closed nozzle, the fifth may not move at all
+  up << S(0.2), S(0.2), S(0.2), S(0.2), S(0), S(0.4);
+  EXPECT_EQ(saturated(u, lo, up).bits(), 0b100011);
+}
+
 }  // namespace
 }  // namespace gyrostat::test

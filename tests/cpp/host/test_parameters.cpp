@@ -20,6 +20,7 @@ struct Params {
   VecN<double> limit;
   Quat<double> q = Quat<double>::Identity();
   truth::Waveform remaining = 1.0;
+  double angle = 0;
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.bandwidth, Field{"bandwidth", "rad/s", 1e-2, 1e2, "both poles sit at -bandwidth"});
@@ -31,6 +32,7 @@ struct Params {
     field(p.limit, Field{"limit", "N m", 0, std::numeric_limits<double>::infinity(), "one an actuator"});
     field(p.q, Field{"q", "", -1.1, 1.1, "an attitude"});
     field(p.remaining, Field{"remaining", "", 0, 1, "a waveform"});
+    field(p.angle, Field{"angle", "rad", -full_turn, full_turn, "an angle", "degrees"});
   }
 };
 
@@ -66,6 +68,25 @@ TEST(Parameters, WaveformsMayBeNumbersOrTables) {
   const Params p =
       read_from({{"remaining", Table{{"type", "sine"}, {"offset", 0.5}, {"amplitude", 0.1}, {"omega", 2.0}}}});
   EXPECT_DOUBLE_EQ(p.remaining(0.3), 0.5 + 0.1 * std::sin(0.6));
+}
+
+TEST(Parameters, EveryKindOfWaveformIsHeldToTheRange) {
+  const auto wave = [](const char* type, Table more) {
+    more.set("type", type);
+    return more;
+  };
+  const Table sine = wave("sine", {{"offset", 0.5}, {"amplitude", -0.4}});
+  const List times{0.0, 1.0};
+  const auto inside = [&](const Table& table) { return message_of({{"remaining", table}}) == "accepted"; };
+  EXPECT_TRUE(inside(sine));
+  EXPECT_TRUE(inside(wave("sum", {{"terms", List{sine, 0.1}}})));
+  EXPECT_FALSE(inside(wave("constant", {{"value", 1.5}})));
+  EXPECT_FALSE(inside(wave("sine", {{"offset", 0.5}, {"amplitude", -0.6}})));
+  EXPECT_FALSE(inside(wave("square", {{"low", -0.1}, {"high", 1}})));
+  EXPECT_FALSE(inside(wave("square", {{"low", 1.1}, {"high", 0}})));
+  EXPECT_FALSE(inside(wave("steps", {{"times", times}, {"values", List{0.5, 1.5}}})));
+  EXPECT_FALSE(inside(wave("table", {{"times", times}, {"values", List{-0.5, 0.5}}})));
+  EXPECT_FALSE(inside(wave("sum", {{"terms", List{sine, 0.2}}})));
 }
 
 struct Bad {
@@ -104,7 +125,15 @@ INSTANTIATE_TEST_SUITE_P(
             "observer 'mine': remaining: no waveform 'cosine', did you mean 'sine'?"},
         Bad{"waveform_key",
             {{"remaining", Table{{"type", "sine"}, {"freq", 1}}}},
-            "observer 'mine': remaining: no parameter 'freq'; there are: offset, amplitude, omega, phase"}),
+            "observer 'mine': remaining: no parameter 'freq'; there are: offset, amplitude, omega, phase"},
+        Bad{"degrees",
+            {{"angle", 90}},
+            "observer 'mine': angle = 90 is outside [-6.28319, 6.28319]; looks like degrees"},
+        Bad{"long_text",
+            {{"bandwidth", std::string(100, 'x')}},
+            "observer 'mine': bandwidth = "
+            "'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...' "
+            "is a text; a number belongs here"}),
     [](const auto& info) { return info.param.why; });
 
 TEST_P(BadParameters, GiveOneLineThatSaysWhatWhereAndWhatIsAllowed) {
@@ -113,7 +142,7 @@ TEST_P(BadParameters, GiveOneLineThatSaysWhatWhereAndWhatIsAllowed) {
 
 TEST(Description, CarriesDefaultUnitRangeAndMeaning) {
   const std::vector<ParamInfo> params = describe_params(Params{});
-  ASSERT_EQ(params.size(), 9u);
+  ASSERT_EQ(params.size(), 10u);
   EXPECT_EQ(params[0].kind, "number");
   EXPECT_EQ(params[0].unit, "rad/s");
   EXPECT_EQ(*params[0].default_value.as<double>(), 2.0);

@@ -115,6 +115,35 @@ TEST(ClosedLoop, RecordsTheLastSampleWhateverTheDecimation) {
   EXPECT_EQ(channel(r, "error.angle").size(), 5u);
 }
 
+TEST(ClosedLoop, RecordsAsOftenAsItsTableSaysUnlessTheCallerDoes) {
+  Table s = ftc_4rw("rk4");
+  s.set("duration", 1.0);
+  s.set("record", Table{{"every", 50}});
+  EXPECT_EQ(simulate(s, {}, only({"error.angle"}, 0)).t.size(), 3u);
+  EXPECT_EQ(simulate(s, {}, only({"error.angle"}, 1)).t.size(), 101u);
+}
+
+TEST(ClosedLoop, ARecordThatTheMemoryCannotHoldIsRefusedBeforeItFlies) {
+  Table s = ftc_4rw("rk4");
+  s.set("duration", 1.0);
+  RunOptions options = only({"error.angle"});
+  options.memory = 8.0 * 2 * 102;  // rows of the time and the angle; one more than there are samples
+  EXPECT_EQ(simulate(s, {}, options).t.size(), 101u);
+  options.memory -= 1;
+  EXPECT_THROW((void)simulate(s, {}, options), std::invalid_argument);
+  options.every = 2;
+  EXPECT_EQ(simulate(s, {}, options).t.size(), 51u);
+}
+
+TEST(ClosedLoop, EndsWhenItsProgressThrows) {
+  Table s = ftc_4rw("rk4");
+  s.set("duration", 1e6);  // hours of computing
+  RunOptions options = only({"error.angle"}, 1000000);
+  struct Enough {};
+  options.progress = [](double) { throw Enough{}; };
+  EXPECT_THROW((void)simulate(s, {}, options), Enough);
+}
+
 TEST(ClosedLoop, LumpedTorqueIsWhatFaultAndDisturbanceAmountTo) {
   Table s = ftc_4rw("rk4");
   s.set("duration", 20.0);

@@ -130,7 +130,7 @@ S rotation_angle(const Quat<S>& q_any) noexcept {
 template <class S>
 Vec3<S> mrp(const Quat<S>& q_any) noexcept {
   const Quat<S> q = unit(q_any);
-  if (!(q.w() < S(-0.5))) return q.vec() / (S(1) + q.w());
+  if (!(q.w() < S(-0.9))) return q.vec() / (S(1) + q.w());
   const S n = detail::length(Vec3<S>(q.vec()));  // 1 + w = n^2 / (1 - w) without cancellation
   const Vec3<S> sigma = (q.vec() / n) * ((S(1) - q.w()) / n);
   return sigma.allFinite() ? sigma : Vec3<S>(Vec3<S>::Zero());

@@ -28,8 +28,8 @@ void Key::in_range(const Value& value, double x) const {
   const std::string high = hi >= unbounded ? "" : number_text(hi);
   if (high.empty()) refuse(value, "must be at least " + low);
   if (low.empty()) refuse(value, "must be at most " + high);
-  const std::string mistaken(this->mistaken);
-  refuse(value, "is outside [" + low + ", " + high + "]" + (mistaken.empty() ? "" : "; looks like " + mistaken));
+  const std::string like(mistaken);
+  refuse(value, "is outside [" + low + ", " + high + "]" + (like.empty() ? "" : "; looks like " + like));
 }
 
 namespace {
