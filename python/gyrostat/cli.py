@@ -11,6 +11,7 @@ import os
 import shlex
 import signal
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,7 +24,7 @@ import typer
 from gyrostat import _core, toml
 from gyrostat.components import range_text
 from gyrostat.errors import InputError, suggestion
-from gyrostat.files import checked_target, made_folder, write_text
+from gyrostat.files import abandon, checked_target, made_folder, write_text
 from gyrostat.scenario import Scenario, shipped
 from gyrostat.text import one_line, unescaped
 
@@ -63,6 +64,7 @@ def main() -> None:
     warnings.simplefilter("ignore", RuntimeWarning)  # of numpy: what overflows is seen in what is printed
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
+        _watch_for_interruption()
     try:
         status = app(standalone_mode=False)
         sys.stdout.flush()
@@ -88,6 +90,26 @@ def main() -> None:
 
 def _interrupt(*_: object) -> NoReturn:
     raise _Interrupted
+
+
+def _watch_for_interruption(patience: float = 1.5) -> None:
+    """End the process when Ctrl-C has not ended it after `patience` seconds.
+
+    Runs look for it five times a second, but not inside a sample, and a sample of strange dynamics may take minutes.
+    """
+    told, tell = os.pipe()
+    os.set_blocking(tell, False)
+    signal.set_wakeup_fd(tell)
+
+    def watch() -> None:
+        while os.read(told, 1) != bytes([signal.SIGINT]):
+            pass
+        time.sleep(patience)
+        abandon()
+        _complain("interrupted", 130)
+        os._exit(130)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _drop_output() -> None:

@@ -19,6 +19,8 @@ from pathlib import Path
 from gyrostat.errors import FileError, InputError
 
 _prefix = ".gyrostat-"
+_unfinished: dict[Path, None] = {}
+"""What the blocks below have made and will take away or rename, in this order."""
 
 
 @contextmanager
@@ -48,6 +50,7 @@ def replacing(path: Path) -> Iterator[Path]:
     with file_errors(path, "cannot be written"):
         target = checked_target(path)
         handle, temporary = _locked(lambda: _new_file(target))
+    _unfinished[temporary] = None
     try:
         yield temporary
         os.fsync(handle)
@@ -58,6 +61,7 @@ def replacing(path: Path) -> Iterator[Path]:
             raise
     finally:
         temporary.unlink(missing_ok=True)
+        del _unfinished[temporary]
         os.close(handle)
 
 
@@ -73,6 +77,7 @@ def replacing_folder(path: Path) -> Iterator[Path]:
     with made_folder(path.absolute().parent) as parent:
         with file_errors(path, "cannot be written"):
             handle, temporary = _locked(lambda: _new_folder(parent))
+        _unfinished[temporary] = None
         try:
             yield temporary
             temporary.chmod(0o755)
@@ -82,6 +87,7 @@ def replacing_folder(path: Path) -> Iterator[Path]:
                 raise
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
+            del _unfinished[temporary]
             os.close(handle)
 
 
@@ -124,8 +130,9 @@ def made_folder(path: Path) -> Iterator[Path]:
         with file_errors(path, "cannot be written"):
             for folder in (*reversed(path.parents), path):
                 if not folder.is_dir():
+                    made.append(folder)  # before it is there: Ctrl-C may come between
+                    _unfinished[folder] = None
                     folder.mkdir(exist_ok=True)
-                    made.append(folder)
             with tempfile.TemporaryFile(dir=path):
                 pass
         yield path
@@ -134,6 +141,21 @@ def made_folder(path: Path) -> Iterator[Path]:
             with suppress(OSError):
                 folder.rmdir()
         raise
+    finally:
+        for folder in made:
+            del _unfinished[folder]
+
+
+def abandon() -> None:
+    """Take away what unfinished blocks have made: for a process that ends without leaving them."""
+    for path in reversed(list(_unfinished)):
+        with suppress(OSError):
+            if not path.is_dir():
+                path.unlink()
+            elif path.name.startswith(_prefix):
+                shutil.rmtree(path)
+            else:
+                path.rmdir()
 
 
 def writable_folder(path: Path) -> Path:

@@ -562,6 +562,27 @@ def test_letters_that_the_locale_does_not_know_are_read_and_written(tmp_path: Pa
     assert (status, message.count("\n")) == (2, 1)
 
 
+def test_an_interruption_does_not_wait_for_compiled_code(tmp_path: Path) -> None:
+    # a computation of minutes that never looks for a signal, in place of one long sample
+    busy = """
+import hashlib
+from gyrostat import cli, Scenario
+Scenario.run = lambda *_, **__: print("busy", flush=True) or hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
+cli.main()
+"""
+    command = [sys.executable, "-c", busy, "run", "ftc_4rw", "--out", str(tmp_path / "out")]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "busy\n"
+    process.send_signal(signal.SIGINT)
+    try:
+        assert process.communicate(timeout=60) == ("", "error: interrupted\n")
+        assert process.returncode == 130
+        assert list(tmp_path.iterdir()) == []
+    finally:
+        process.kill()
+
+
 def interrupted(arguments: list[str], folder: Path) -> tuple[int, str]:
     """Exit status and message after Ctrl-C while the command flies: it makes its folder before."""
     process = subprocess.Popen([*COMMAND, *arguments, "--out", str(folder)], stderr=subprocess.PIPE, text=True)
