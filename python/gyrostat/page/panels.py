@@ -200,10 +200,10 @@ def _effectivenesses(results: Sequence[Result]) -> Panel | None:
             if true is not None and not any(
                 line.style == "true" and np.array_equal(line.x, true[:, i]) for line in lines
             ):
-                lines.append(Line(f"actuator {i}", true[:, i], k, "true", k))
+                lines.append(Line(f"{i}", true[:, i], k, "true", k))
             if estimate is not None and np.any(estimate != 1.0):
-                lines.append(Line(f"actuator {i}", estimate[:, i], k, "solid", k))
-    return Panel("effectiveness", "Effectiveness where it differs from 1", "", lines) if lines else None
+                lines.append(Line(f"{i}", estimate[:, i], k, "solid", k))
+    return Panel("effectiveness", "Effectiveness of actuators that lose some", "", lines) if lines else None
 
 
 def _affected(true: Array | None, estimate: Array | None) -> list[int]:

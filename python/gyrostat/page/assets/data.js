@@ -60,5 +60,9 @@ const palettes = {
 };
 const theme = () => document.documentElement.dataset.theme;
 const hue = i => palettes[theme()][i % 8];
-const short = x => x === undefined || Number.isNaN(x) ? "–" : x === 0 ? "0" :
-  Math.abs(x) >= 1e-3 && Math.abs(x) < 1e5 ? x.toPrecision(4).replace(/\.?0+$/, "") : x.toExponential(2);
+/// A number in four digits.
+const short = x => {
+  if (x === undefined || Number.isNaN(x)) return "–";
+  if (x === 0) return "0";
+  return Math.abs(x) < 1e-3 || Math.abs(x) >= 1e5 ? x.toExponential(2) : String(Number(x.toPrecision(4)));
+};

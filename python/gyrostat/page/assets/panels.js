@@ -51,37 +51,46 @@ const joined = stretches => {
   return out;
 };
 const annotationsOf = panel => [...(panel === panels[0] ? faultLabels() : []), ...(panel.levels ?? []).map(([value, label]) => ({
-  xref: "paper", x: 1, xanchor: "right", y: panel.log ? Math.log10(value) : value, yanchor: value < 0 || panel.log ? "bottom" : "top",
+  xref: "paper", x: 1, xanchor: "right", y: panel.log ? Math.log10(value) : value, yanchor: panel.log || value <= 0 ? "bottom" : "top",
   text: `${label} ${short(value)}`, showarrow: false, font: { size: 10, color: color("dim") },
 }))];
 const faultLabels = () => {
   const faults = data.runs.length > 1 ? [] : data.runs[0].marks.filter(mark => mark.kind === "fault");
   return faults.length > 8 ? [] : faults.map((mark, i) => ({
     xref: "x", x: mark.t, xanchor: "left", yref: "paper", y: 1, yanchor: "top", yshift: -12 * (i % 4), text: mark.text, showarrow: false,
-    font: { size: 10, color: `rgb(${color("fault")})` }, bgcolor: color("paper"), opacity: 0.85, borderpad: 0,
+    font: { size: 10, color: `rgb(${color("fault")})` },
   }));
 };
 
-/// Range of values that shows the lines, and those levels that are not far beyond them; null: let Plotly choose.
-const rangeOf = panel => {
-  if (panel.log) return null;
+/// Range of values that shows what the lines do in a stretch of time, and those levels that are not far beyond it.
+const rangeOf = (panel, [t0, t1]) => {
+  const place = panel.log ? y => y > 0 ? Math.log10(y) : NaN : y => y;
   let low = Infinity, high = -Infinity;
-  for (const line of panel.lines) for (const y of shown(line) ? line.y : []) { if (y < low) low = y; if (y > high) high = y; }
-  if (!(high >= low)) return null;
-  const most = 3 * Math.max(Math.abs(low), Math.abs(high));
-  for (const [value] of panel.levels ?? []) if (Math.abs(value) <= most) { low = Math.min(low, value); high = Math.max(high, value); }
-  const pad = high > low ? 0.06 * (high - low) : Math.max(0.1 * Math.abs(high), 1e-12);
+  for (const line of panel.lines) {
+    if (!shown(line)) continue;
+    // from the last point before the stretch to the first after it: a line crosses the stretch between them
+    for (let i = lastUntil(line.t, t0); i < line.t.length; ++i) {
+      const y = place(line.y[i]);
+      if (y < low) low = y;
+      if (y > high) high = y;
+      if (line.t[i] > t1) break;
+    }
+  }
+  if (!(high >= low)) return panel.log ? [-3, 2] : [-1, 1];
+  const [least, most] = panel.log ? [low - 1, high + 1] : [-3, 3].map(x => x * Math.max(Math.abs(low), Math.abs(high)));
+  for (const y of (panel.levels ?? []).map(level => place(level[0]))) if (y >= least && y <= most) { low = Math.min(low, y); high = Math.max(high, y); }
+  const pad = high > low ? 0.06 * (high - low) : panel.log ? 0.5 : Math.max(0.1 * Math.abs(high), 1e-12);
   return [low - pad, high + pad];
 };
 const layoutOf = panel => {
   const axis = { gridcolor: color("grid"), zerolinecolor: color("line"), linecolor: color("line"), tickfont: { size: 10 }, automargin: false };
-  const y = rangeOf(panel);
+  const range = panel.gd?.layout?.xaxis?.range.slice() ?? [...span];
   return {
     margin, dragmode: "zoom", hovermode: false, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
     font: { color: color("dim"), family: 'system-ui, "DejaVu Sans", sans-serif' }, shapes: shapesOf(panel), annotations: annotationsOf(panel),
-    xaxis: { ...axis, range: panel.gd?.layout?.xaxis?.range ?? [...span], ticksuffix: " s", nticks: 9 },
+    xaxis: { ...axis, range, ticksuffix: " s", nticks: 9 },
     yaxis: { ...axis, type: panel.log ? "log" : "linear", fixedrange: true, exponentformat: "power", nticks: 6,
-             ...(y ? { range: y } : { autorange: true }), ...panel.ticks },
+             range: rangeOf(panel, range), ...panel.ticks },
   };
 };
 
@@ -103,9 +112,9 @@ const addPanel = (panel, first) => {
     if (!key) {
       const mark = document.createElement("span");
       mark.className = "key";
-      mark.title = "Click to hide or show";
+      mark.title = [data.runs[line.run].label, "click to hide or show"].filter(x => x).join(": ");
       mark.innerHTML = `<i></i><span></span> <span></span><span class="dim"></span>`;
-      mark.children[1].textContent = [data.runs[line.run].short, line.label].filter(x => x).join(", ");
+      mark.children[1].textContent = line.label;
       key = { run: line.run, label: line.label, mark, color: line.color, lines: {} };
       mark.onclick = () => { for (const l of Object.values(key.lines)) l.off = !l.off; refresh(); };
       panel.keys.push(key);
@@ -120,12 +129,15 @@ const addPanel = (panel, first) => {
 /// The strip of everything that happened, a row a kind.
 const strip = () => {
   const rows = [];
-  data.runs.forEach((run, r) => run.rows.forEach(row => rows.push({ ...row, r })));
+  data.runs.forEach((run, r) => run.rows.forEach(row => {
+    const same = rows.find(other => other.name === row.name && other.count === row.count && other.t.every((t, i) => t === row.t[i]));
+    if (same) same.of.push(r); else rows.push({ ...row, of: [r] });
+  }));
   const ticks = { tickvals: rows.map((_, i) => i), ticktext: rows.map(row => row.count > 1 ? `${row.count} ×` : ""), range: [rows.length - 0.5, -0.5], autorange: false, zeroline: false };
   return { name: "events", title: "What happened", unit: "", lines: [], rows, ticks };
 };
 const tracesOf = panel => panel.rows ? panel.rows.map((row, i) => ({
-  x: row.t, y: row.t.map(() => i), type: "scatter", mode: "markers", hoverinfo: "skip", showlegend: false, visible: data.runs[row.r].shown,
+  x: row.t, y: row.t.map(() => i), type: "scatter", mode: "markers", hoverinfo: "skip", showlegend: false, visible: row.of.some(r => data.runs[r].shown),
   marker: { symbol: "line-ns-open", size: 13, color: row.kind === "fault" ? `rgb(${color("fault")})` : color(row.kind), line: { width: 1.5 } },
 })) : panel.lines.map(lineOf);
 
@@ -143,7 +155,7 @@ const plotPanels = () => {
       const key = document.createElement("span");
       key.className = "key";
       key.innerHTML = `<i></i><span></span>`;
-      key.lastChild.textContent = [data.runs[row.r].short, row.name].filter(x => x).join(", ") + (row.count > row.t.length ? ` (${row.t.length} of ${row.count} drawn)` : "");
+      key.lastChild.textContent = [row.of.length < data.runs.length ? row.of.map(r => data.runs[r].short).join(" and ") : "", row.name].filter(x => x).join(": ") + (row.count > row.t.length ? ` (${row.t.length} of ${row.count} drawn)` : "");
       row.key = key;
       events.head.append(key);
     });
@@ -169,7 +181,9 @@ const follow = (source, change) => {
   if (following || !Object.keys(change).some(k => k.startsWith("xaxis"))) return;
   following = true;
   const range = change["xaxis.autorange"] ? [...span] : source.gd._fullLayout.xaxis.range.slice();
-  Promise.all(panels.map(p => Plotly.relayout(p.gd, { "xaxis.range": range.slice(), "xaxis.autorange": false }))).then(() => { following = false; cursors(); });
+  Promise.all(panels.map(p => Plotly.relayout(p.gd, {
+    "xaxis.range": range.slice(), "xaxis.autorange": false, ...(p.rows ? {} : { "yaxis.range": rangeOf(p, range) }),
+  }))).then(() => { following = false; cursors(); });
 };
 
 const frameOf = panel => {
@@ -220,6 +234,7 @@ const happened = t => {
 };
 
 const keys = () => {
+  for (const run of data.runs) if (run.chip) run.chip.firstChild.style.background = hue(run.color);
   for (const panel of panels) {
     for (const { mark, color, run, lines } of panel.keys) {
       mark.firstChild.style.background = hue(color);

@@ -113,8 +113,8 @@ const wire = () => {
     data.runs.forEach(run => {
       const chip = document.createElement("span");
       chip.className = "chip";
-      chip.textContent = run.label;
-      chip.style.borderColor = hue(run.color);
+      chip.append(document.createElement("i"), run.label);
+      run.chip = chip;
       chip.title = "Click to hide or show";
       chip.onclick = () => { run.shown = !run.shown; chip.classList.toggle("off", !run.shown); refresh(); legend(); };
       element("runs").append(chip);
@@ -147,7 +147,7 @@ const asked = new URLSearchParams(location.hash.slice(1));
 document.documentElement.dataset.theme = asked.get("theme") ?? (window.matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", event => setTheme(event.matches ? "dark" : "light"));
 if (!flown.length) element("left").classList.add("none");
-plotPanels();
 wire();
+plotPanels();
 seek(Number(asked.get("t") ?? player.t));
 document.documentElement.dataset.ready = "yes";
