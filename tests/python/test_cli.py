@@ -4,8 +4,12 @@
 from __future__ import annotations
 
 import json
+import os
+import pty
+import re
 import subprocess
 import sys
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -104,6 +108,25 @@ def test_a_folder_with_another_page_is_refused_before_the_run(tmp_path: Path) ->
 def test_the_module_runs_as_the_command() -> None:
     done = subprocess.run([sys.executable, "-m", "gyrostat", "--version"], capture_output=True, text=True, check=True)
     assert done.stdout == f"{_core.__version__}\n"
+
+
+@pytest.mark.parametrize(("variables", "coloured"), [({}, True), ({"NO_COLOR": "1"}, False)])
+def test_colour_is_for_terminals_that_want_it(variables: dict[str, str], coloured: bool) -> None:
+    master, slave = pty.openpty()
+    program = [sys.executable, "-m", "gyrostat", "run", "--help"]
+    with subprocess.Popen(program, stdout=slave, env={**_plain, "TERM": "xterm-256color", **variables}):
+        os.close(slave)
+        shown = b""
+        with suppress(OSError):  # how Linux says that the other end is closed
+            while chunk := os.read(master, 65536):
+                shown += chunk
+    os.close(master)
+    assert b"Fly a scenario" in shown
+    assert bool(re.search(rb"\x1b\[[\d;]*3\d", shown)) == coloured  # a colour of the text
+    assert "\x1b" not in gyrostat("run", "--help").stdout
+
+
+_plain = {k: v for k, v in os.environ.items() if k not in {"NO_COLOR", "FORCE_COLOR", "PY_COLORS", "GITHUB_ACTIONS"}}
 
 
 def test_set_takes_numbers_words_and_lists() -> None:
