@@ -72,6 +72,13 @@ py::list check(const py::dict& scenario, const py::dict& components) {
   return rows;
 }
 
+py::dict inner_rates(const py::dict& scenario) {
+  using truth::InnerRates;
+  const InnerRates r = host::inner_rates(to_table(scenario));
+  return py::dict("turning"_a = r.turning, "friction"_a = r.friction, "longest_step"_a = InnerRates::longest_step,
+                  "most_in_a_sample"_a = InnerRates::most_in_a_sample);
+}
+
 py::list channel_names(const py::dict& scenario, const py::dict& components) {
   py::list rows;
   for (const host::ChannelInfo& c : host::channels(to_table(scenario), python_components(components))) {
@@ -125,10 +132,9 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
     events.append(py::dict("t"_a = e.t, "name"_a = e.name, "count"_a = e.count));
   return py::dict("t"_a = array_of(std::move(result.t), {rows}), "channels"_a = arrays, "events"_a = events,
                   "status"_a = end_name(result.end.code), "cause"_a = result.end.cause, "end_time"_a = result.end.time,
-                  "statistics"_a = py::dict("steps"_a = result.statistics.steps,
-                                            "rhs_evaluations"_a = result.statistics.rhs_evaluations,
-                                            "restarts"_a = result.statistics.restarts,
-                                            "pieces"_a = result.statistics.pieces));
+                  "statistics"_a = py::dict(
+                      "steps"_a = result.statistics.steps, "rhs_evaluations"_a = result.statistics.rhs_evaluations,
+                      "restarts"_a = result.statistics.restarts, "pieces"_a = result.statistics.pieces));
 }
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -215,6 +221,8 @@ void bind_host(py::module_& m) {
         return to_python(host::resolve(to_table(scenario), python_components(components)));
       },
       "scenario"_a, "components"_a = py::dict(), "The scenario with every default filled in.");
+  m.def("inner_rates", &inner_rates, "scenario"_a,
+        "Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.");
   m.def("channel_names", &channel_names, "scenario"_a, "components"_a = py::dict(),
         "Channels that a run of this scenario offers.");
   m.def("flight_model", &flight_model, "scenario"_a,

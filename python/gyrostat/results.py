@@ -62,7 +62,7 @@ class Result:
     end_time: float = 0.0
     """Last instant reached, s."""
     statistics: Mapping[str, Any] = field(default_factory=dict)
-    """Work of the integrator: steps, evaluations, restarts."""
+    """Work of the integrator: steps, evaluations, restarts of CVODE, and smooth pieces of time."""
     meta: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Unit and meaning of each channel."""
 

@@ -21,6 +21,7 @@ from gyrostat.design import (
     mixed_learning_tool,
     preassigned_time,
     predefined_time,
+    time_constants,
 )
 from gyrostat.design.compensation import (
     CompensationMargin,
@@ -43,6 +44,7 @@ CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     mixed_learning_tool.findings,
     preassigned_time.findings,
     predefined_time.findings,
+    time_constants.findings,
 )
 
 FIGURES: tuple[Callable[[Scenario], dict[str, Figure]], ...] = (learning_disturbance.figures,)
@@ -104,5 +106,6 @@ __all__ = [
     "preassigned_time",
     "predefined_time",
     "scenario_margin",
+    "time_constants",
     "torque_findings",
 ]

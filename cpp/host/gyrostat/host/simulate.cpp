@@ -223,6 +223,11 @@ std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& ext
   return check_components(a, external);
 }
 
+truth::InnerRates inner_rates(const Table& scenario) {
+  const Assembly a = assemble(scenario);
+  return truth::Plant(a.plant, a.initial, a.setup.dt).inner_rates();
+}
+
 std::vector<ChannelInfo> channels(const Table& scenario, const ExternalComponents& external) {
   const Assembly a = assemble(scenario);
   const Parts parts(a, external);

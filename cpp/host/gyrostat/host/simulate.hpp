@@ -54,6 +54,9 @@ struct RunResult {
 /// Builds everything without running and asks each component whether it fits.
 std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& external = {});
 
+/// How quick the truth is at the start, against the period.
+truth::InnerRates inner_rates(const Table& scenario);
+
 /// The scenario with every default filled in.
 Table resolve(const Table& scenario, const ExternalComponents& external = {});
 
