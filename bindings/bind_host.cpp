@@ -85,6 +85,13 @@ py::dict channel(const host::ChannelInfo& c) {
                   "dimension"_a = c.dimension);
 }
 
+py::dict inner_rates(const py::dict& scenario) {
+  using truth::InnerRates;
+  const InnerRates r = host::inner_rates(to_table(scenario));
+  return py::dict("turning"_a = r.turning, "friction"_a = r.friction, "longest_step"_a = InnerRates::longest_step,
+                  "most_in_a_sample"_a = InnerRates::most_in_a_sample);
+}
+
 py::list channel_names(const py::dict& scenario, const py::dict& components) {
   py::list rows;
   for (const host::ChannelInfo& c : host::channels(to_table(scenario), python_components(components, Use::look)))
@@ -138,14 +145,13 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
   py::list events;
   for (const host::Event& e : result.events)
     events.append(py::dict("t"_a = e.t, "name"_a = e.name, "count"_a = e.count));
-  return py::dict("t"_a = array_of(std::move(result.t), {rows}), "channels"_a = arrays, "meta"_a = meta,
-                  "events"_a = events, "status"_a = end_name(result.end.code), "cause"_a = result.end.cause,
-                  "end_time"_a = result.end.time,
-                  "statistics"_a = py::dict("steps"_a = result.statistics.steps,
-                                            "rhs_evaluations"_a = result.statistics.rhs_evaluations,
-                                            "restarts"_a = result.statistics.restarts,
-                                            "pieces"_a = result.statistics.pieces, "samples"_a = result.end.samples,
-                                            "held_samples"_a = result.end.held));
+  return py::dict(
+      "t"_a = array_of(std::move(result.t), {rows}), "channels"_a = arrays, "meta"_a = meta, "events"_a = events,
+      "status"_a = end_name(result.end.code), "cause"_a = result.end.cause, "end_time"_a = result.end.time,
+      "statistics"_a =
+          py::dict("steps"_a = result.statistics.steps, "rhs_evaluations"_a = result.statistics.rhs_evaluations,
+                   "restarts"_a = result.statistics.restarts, "pieces"_a = result.statistics.pieces,
+                   "samples"_a = result.end.samples, "held_samples"_a = result.end.held));
 }
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -243,6 +249,8 @@ void bind_host(py::module_& m) {
       "scenario"_a,
       "By role, the estimates (d_B, effectiveness) that the observer makes and the others use; a Python component is "
       "left out.");
+  m.def("inner_rates", &inner_rates, "scenario"_a,
+        "Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.");
   m.def("channel_names", &channel_names, "scenario"_a, "components"_a = py::dict(),
         "Channels that a run of this scenario offers.");
   m.def("flight_model", &flight_model, "scenario"_a,

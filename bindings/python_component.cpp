@@ -82,7 +82,8 @@ class PythonModel : public Base {
 class PythonObserver final : public PythonModel<host::ObserverBase> {
  public:
   PythonObserver(const py::object& object, const Setup<double>& setup, const char* role, Use use)
-      : PythonModel(object, setup, role, use), skip_(py::hasattr(object, "skip") ? hold(object.attr("skip")) : nullptr) {}
+      : PythonModel(object, setup, role, use),
+        skip_(py::hasattr(object, "skip") ? hold(object.attr("skip")) : nullptr) {}
   Estimate<double> start(const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result((*start_)(y), y) : result((*step_)(y, Allocation<double>::idle(actuators())), y);

@@ -31,6 +31,7 @@ __all__: list[str] = [
     "first_reach",
     "flight_model",
     "fraction_at_least",
+    "inner_rates",
     "mrp_from_quat",
     "mrp_shadow",
     "quat_from_euler",
@@ -471,6 +472,11 @@ def fraction_at_least(
 ) -> float:
     """
     Share of the samples in [t0, t1] with max_i |x_i| >= level.
+    """
+
+def inner_rates(scenario: dict) -> dict:
+    """
+    Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.
     """
 
 def mrp_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:

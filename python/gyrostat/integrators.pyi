@@ -27,5 +27,20 @@ def Rk4(
     Parameters
     ----------
     substeps
-        steps a sample; [1, 1e+06]; default 1
+        steps a sample, at least; [1, 100000]; default 1
+    """
+
+def Auto(
+    *,
+    rtol: float | None = ...,
+    atol: float | None = ...,
+) -> Component:
+    """The integrator 'auto'.
+
+    Parameters
+    ----------
+    rtol
+        error of a step, relative to the quaternion and to the largest momentum; [1e-15, 0.01]; default 1e-09
+    atol
+        error of a step, of quaternion and momentum (N m s); [1e-20, 0.01]; default 1e-15
     """

@@ -66,7 +66,8 @@ class Result:
     end_time: float = 0.0
     """Last instant reached, s."""
     statistics: Mapping[str, Any] = field(default_factory=dict)
-    """Work of the integrator: steps, evaluations, restarts; samples flown, and those at which the guard held something."""
+    """Work of the integrator: steps, evaluations, restarts of CVODE, smooth pieces of time; samples flown, and those at which
+    the guard held something."""
     meta: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Unit, meaning and dimension of each channel."""
     components: Mapping[str, Any] = field(default_factory=dict)

@@ -198,17 +198,37 @@ def test_a_folder_that_cannot_be_written_is_said_before_the_run(tmp_path: Path) 
 
 def test_a_run_that_ends_early_is_saved_up_to_there_with_status_3(tmp_path: Path) -> None:
     out = tmp_path / "early.npz"
-    # An inertial rate of 1e3 rad/s held by an integrator that may take one step per sample and no more.
+    # 1.7e3 rad/s: more than a thousand radians in a sample, which no integrator goes through.
     settings = ["--set", "initial.omega_BN_B=[1000,1000,1000]", "--set", "integrator={type='rk4'}", "--set", "dt=1"]
     done = gyrostat("run", "ftc_4rw", *settings, "--out", str(out), "--json")
     assert done.returncode == 3
     assert done.stderr.startswith("error: the run ended at ")
     summary = json.loads(done.stdout)
-    assert summary["status"] == "non_finite"
+    assert summary["status"] == "integration_failed"
     result = gs.Result.load(out)
-    assert result.status == "non_finite"
+    assert result.status == "integration_failed"
     assert result.t[-1] <= result.end_time < 60.0
     assert np.isfinite(result["omega_BN_B"]).all()
+
+
+def test_run_says_when_auto_would_have_cost_less_than_a_tenth() -> None:
+    noisy = ["run", "ftc_4rw", "--set", "duration=5", "--set", 'sensors=[{type="gyro",noise=1e-2}]']
+    done = gyrostat(*noisy)
+    assert 'integrator = "auto" would have flown this in less than a tenth of the time' in done.stdout
+    steps = float(done.stdout.split("cvode took ")[1].split()[0])
+    assert steps > 4.0
+    for quiet in ([*noisy, "--set", "integrator=auto"], ["run", "ftc_4rw", "--set", "duration=5"]):
+        assert "would have flown" not in gyrostat(*quiet).stdout
+
+
+def test_a_wheel_with_friction_rests_at_its_momentum_limit_for_a_step_a_sample() -> None:
+    settings = ["duration=300", "initial={}", "truth={momentum_max=0.2,viscous_friction=1e-3}"]
+    settings.append('disturbances=[{type="constant",torque_B=[2e-3,0,0]}]')  # the wheels are full at 231 s
+    for integrator in ("cvode", "rk4", "auto"):
+        options = [part for s in [*settings, f"integrator={integrator}"] for part in ("--set", s)]
+        done = gyrostat("run", "ftc_4rw", *options, "--json")
+        assert done.returncode == 0
+        assert json.loads(done.stdout)["statistics"]["steps"] < 1.01 * 30_000
 
 
 def test_check_says_whether_the_compensation_is_stable() -> None:

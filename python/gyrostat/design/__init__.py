@@ -23,6 +23,7 @@ from gyrostat.design import (
     preassigned_time,
     predefined_time,
     sampled_loop,
+    time_constants,
 )
 from gyrostat.design.compensation import (
     CompensationMargin,
@@ -47,6 +48,7 @@ CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     mixed_learning_tool.findings,
     preassigned_time.findings,
     predefined_time.findings,
+    time_constants.findings,
 )
 
 FIGURES: tuple[Callable[[Scenario], dict[str, Figure]], ...] = (learning_disturbance.figures,)
@@ -113,5 +115,6 @@ __all__ = [
     "predefined_time",
     "sampled_loop",
     "scenario_margin",
+    "time_constants",
     "torque_findings",
 ]

@@ -306,6 +306,11 @@ std::vector<std::pair<std::string, Estimates>> estimate_flow(const Table& scenar
   return estimate_flow(assemble(scenario));
 }
 
+truth::InnerRates inner_rates(const Table& scenario) {
+  const Assembly a = assemble(scenario);
+  return truth::Plant(a.plant, a.initial, a.setup.dt).inner_rates();
+}
+
 std::vector<ChannelInfo> channels(const Table& scenario, const ExternalComponents& external) {
   const Assembly a = assemble(scenario);
   const Parts parts(a, external);

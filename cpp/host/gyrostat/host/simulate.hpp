@@ -60,6 +60,9 @@ std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& ext
 /// outside the catalogue: its role is left out.
 std::vector<std::pair<std::string, Estimates>> estimate_flow(const Table& scenario);
 
+/// How quick the truth is at the start, against the period.
+truth::InnerRates inner_rates(const Table& scenario);
+
 /// The scenario with every default filled in.
 Table resolve(const Table& scenario, const ExternalComponents& external = {});
 

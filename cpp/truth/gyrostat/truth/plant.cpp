@@ -18,7 +18,6 @@ constexpr double longest_angle = 0.05;
 constexpr double shortest_piece = 1e-6;  // s, however fast a law is
 
 constexpr std::uint64_t most_steps = 200'000;  // of a sample
-constexpr double most_time_constants = 1000;   // of the truth in a sample
 
 template <auto derivative, class Context>
 void call(double t, const double* y, double* ydot, const void* context) noexcept {
@@ -48,7 +47,7 @@ std::string text(double x) {
 }
 
 void refuse_quick_bearings(const Body& body, double dt) {
-  if (body.friction_rate * dt <= most_time_constants) return;
+  if (body.friction_rate * dt <= InnerRates::most_in_a_sample) return;
   const auto quicker = [](const Body::FrictionWheel& a, const Body::FrictionWheel& b) {
     return a.viscous / a.inertia < b.viscous / b.inertia;
   };
@@ -56,8 +55,8 @@ void refuse_quick_bearings(const Body& body, double dt) {
   throw std::invalid_argument("plant: viscous_friction = " + text(quickest->viscous) +
                               " N m s stops the wheel of actuator " + std::to_string(quickest->actuator) + " (" +
                               text(quickest->inertia) + " kg m^2) in " + text(1 / body.friction_rate) +
-                              " s; nothing quicker than a thousandth of the period, " + text(dt / most_time_constants) +
-                              " s, can be integrated");
+                              " s; nothing quicker than a thousandth of the period, " +
+                              text(dt / InnerRates::most_in_a_sample) + " s, can be integrated");
 }
 
 }  // namespace
@@ -301,21 +300,24 @@ void Plant::take_up_storage(double x) noexcept {
 
 // ---- integration --------------------------------------------------------------------------------------------------------
 
-/// Steps on this length so that none is longer than half of the shortest time constant: of the body's turning, of the
-/// precession of what it holds, of viscous friction. An explicit method is stable up to about five times that.
+InnerRates Plant::inner_rates() const noexcept {
+  Vec3<double> held{y_[4], y_[5], y_[6]};
+  if (body_.kind != Body::Kind::wheels) held = body_.J_B * omega_BN_B_ + torque<double>(body_.D_B, h_w_);
+  const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
+  return {std::sqrt(2 * (omega_BN_B_.squaredNorm() + precession2)), body_.friction_rate};
+}
+
+/// Steps on this length so that none is longer than rk4 may take them.
 /// @throws IntegrationError when they are so many that no method gets through a sample
 double Plant::least_steps(double length) const {
-  Vec3<double> held{y_[4], y_[5], y_[6]};  // what turns with the body
-  if (body_.kind != Body::Kind::wheels) held = body_.J_B * omega_BN_B_ + torque<double>(body_.D_B, h_w_);
-  const double w2 = omega_BN_B_.squaredNorm() + held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
-  const double friction = body_.friction_rate;
-  if (length * length * (2 * w2 + friction * friction) <= 0.125) return 1;  // then also the sum below is at most 1
-  const double rate = std::sqrt(2 * w2) + friction;
-  if (rate * dt_ > most_time_constants) {
+  const InnerRates rates = inner_rates();
+  const double rate = rates.turning + rates.friction;
+  if (!(length * rate > InnerRates::longest_step)) return 1;  // nor a rate that is not finite: that is found later
+  if (rate * dt_ > InnerRates::most_in_a_sample) {
     throw IntegrationError(
-        t_, "turning, precession and friction act at " + text(rate) + " 1/s, more than 1000 times in a sample,");
+        t_, "the vehicle turns, precesses or slows down at " + text(rate) + " 1/s, more than 1000 times in a sample,");
   }
-  return std::isfinite(rate) ? std::max(1.0, std::ceil(2 * length * rate)) : 1.0;
+  return std::ceil(length * rate / InnerRates::longest_step);
 }
 
 /// Of rk4, on the present piece.

@@ -47,6 +47,15 @@ struct TruthSample {
   Vec3<double> external_B = Vec3<double>::Zero();  ///< N m
 };
 
+/// How quickly the truth's own motion goes on, beside what drives it.
+struct InnerRates {
+  double turning = 0;  ///< 1/s, sqrt(2 (|w|^2 + |H|^2 |J^-1|^2)), H what turns with the body: of turning and precession
+  double friction = 0;  ///< 1/s, at which the quickest wheel stops in viscous friction
+
+  static constexpr double longest_step = 0.5;       ///< of rk4, in time constants; it would diverge from 2.785 on
+  static constexpr double most_in_a_sample = 1000;  ///< time constants; no integrator goes on beyond
+};
+
 /// Attitude, rate or momentum became infinite or NaN.
 class NonFiniteState : public std::runtime_error {
  public:
@@ -78,6 +87,7 @@ class Plant {
 
   TruthSample sample() const;
   IntegratorStatistics statistics() const;
+  InnerRates inner_rates() const noexcept;
 
  private:
   using State = std::array<double, Body::max_states>;
