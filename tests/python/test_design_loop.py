@@ -228,17 +228,18 @@ def estimating(name: str) -> list[str]:
 
 
 TINY = gs.Vehicle(J_B=(2e-3, 1.7e-3, 1.5e-3), D_B=gs.vehicle.ftc_4rw().D_B, u_max=2e-5)
+LONG = gs.Vehicle(J_B=(8e3, 9e3, 3e3), D_B=np.hstack([np.eye(3)] * 2).tolist(), u_max=1.0)
 
-SAMPLED = [
-    # One of four wheels dead leaves a quarter of some torque; 1.5 is an inertia that is a third smaller.
-    (gs.vehicle.ftc_4rw(), 0.5, (0.25, 1.0, 1.5), regulating()),
-    (gs.vehicle.ftc_4rw(), 0.1, (0.16, 1.5), regulating()),
-    (TINY, 0.5, (0.25, 1.5), regulating()),
-    (gs.vehicle.ftc_4rw(), 1e-3, (0.16,), ["integral_sliding_mode"]),
-]
+# One of four wheels dead leaves a quarter of some torque; 1.5 is an inertia that is a third smaller.
+SAMPLED = {
+    "2 Hz": (gs.vehicle.ftc_4rw(), 0.5, (0.25, 1.0, 1.5), regulating()),
+    "5 Hz, long": (LONG, 0.2, (0.25, 1.5), regulating()),
+    "10 Hz, tiny": (TINY, 0.1, (0.2, 1.5), regulating()),
+    "1 kHz": (gs.vehicle.ftc_4rw(), 1e-3, (0.25,), ["integral_sliding_mode"]),
+}
 
 
-@pytest.mark.parametrize(("vehicle", "dt", "effectiveness", "laws"), SAMPLED, ids=["2 Hz", "10 Hz", "tiny", "1 kHz"])
+@pytest.mark.parametrize(("vehicle", "dt", "effectiveness", "laws"), SAMPLED.values(), ids=SAMPLED)
 def test_default_loops_bear_weakened_and_strengthened_actuators(
     vehicle: gs.Vehicle, dt: float, effectiveness: tuple[float, ...], laws: list[str]
 ) -> None:

@@ -53,16 +53,16 @@ TEST(SaturatedPd, IsItsFormulaAndKeepsItsBound) {
   }
 }
 
-TEST(ProportionalLaws, CompensateSubtractsTheEstimateAndIsOffByDefault) {
+TEST(ProportionalLaws, TheEstimateIsSubtractedUnlessCompensateIsOff) {
   const auto setup = ftc_4rw<double>();
   const Vec3<double> zero = Vec3<double>::Zero(), d_B{0.01, -0.02, 0.03};
   auto mrp_params = default_params<MrpFeedback<double>>(setup);
   auto pd_params = default_params<SaturatedPd<double>>(setup);
-  EXPECT_EQ(ask(MrpFeedback<double>(setup, mrp_params), zero, zero, d_B).tau_B, zero);
-  EXPECT_EQ(ask(SaturatedPd<double>(setup, pd_params), zero, zero, d_B).tau_B, zero);
-  mrp_params.compensate = pd_params.compensate = true;
   EXPECT_EQ(ask(MrpFeedback<double>(setup, mrp_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
   EXPECT_EQ(ask(SaturatedPd<double>(setup, pd_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
+  mrp_params.compensate = pd_params.compensate = false;
+  EXPECT_EQ(ask(MrpFeedback<double>(setup, mrp_params), zero, zero, d_B).tau_B, zero);
+  EXPECT_EQ(ask(SaturatedPd<double>(setup, pd_params), zero, zero, d_B).tau_B, zero);
 }
 
 /// Largest growth from sample to sample of V = w'Jw/2 + 2 k ln(1 + sigma'sigma), without disturbance and limits.

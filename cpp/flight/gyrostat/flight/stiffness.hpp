@@ -65,12 +65,14 @@ Stiffness<S> default_stiffness(const Setup<S>& setup) noexcept {
   return {k_sigma, S(0.8) * std::sqrt(k_sigma * J), frequency};
 }
 
-/// Periods in which a default observer of a torque finds it: `usual`, fewer where that comes near the time 1 / frequency of the
-/// default stiffness. An estimate fed back through weakened actuators as slowly as the law corrects makes the two swing
-/// against each other (`gyrostat check` has the limit); a twentieth of the law's time keeps them apart; two periods at least.
+/// Periods in which a default observer of a torque finds it: `usual`, fewer where that comes near the time in which the default
+/// law corrects, 1 / frequency, less about the axis of smallest inertia. An estimate fed back through weakened actuators as
+/// slowly as the law corrects makes the two swing against each other (`gyrostat check` has the limit): a twentieth of that time
+/// keeps them apart; two periods at least.
 template <class S>
 S observer_periods(const Setup<S>& setup, S usual) noexcept {
-  return std::min(usual, std::max(S(0.05) / (default_stiffness(setup).frequency * setup.dt), S(2)));
+  const S ratio = smallest_inertia(setup.vehicle.J_B) / largest_inertia(setup.vehicle.J_B);
+  return std::min(usual, std::max(S(0.05) * ratio / (default_stiffness(setup).frequency * setup.dt), S(2)));
 }
 
 }  // namespace gyrostat
