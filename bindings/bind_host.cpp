@@ -108,10 +108,9 @@ py::array_t<double> array_of(std::vector<double>&& data, std::vector<py::ssize_t
   return out;
 }
 
-const char* end_name(host::RunEnd::Code code) {
-  static constexpr const char* names[] = {"completed", "singular", "non_finite", "integration_failed", "no_command"};
-  return names[static_cast<int>(code)];
-}
+constexpr const char* end_names[] = {"completed", "singular", "non_finite", "integration_failed", "no_command"};
+
+const char* end_name(host::RunEnd::Code code) { return end_names[static_cast<int>(code)]; }
 
 py::dict simulate(const py::dict& scenario, const py::dict& components,
                   const std::optional<std::vector<std::string>>& channels, std::size_t every,
@@ -221,6 +220,14 @@ void bind_host(py::module_& m) {
         return out;
       },
       "Every family of the catalogue with its names.");
+  m.def(
+      "endings",
+      [] {
+        py::list out;
+        for (const char* name : end_names) out.append(name);
+        return out;
+      },
+      "How a run can end: every status of a result.");
   m.def("describe", &describe, "family"_a, "name"_a,
         "Parameters of a component: name, kind, unit, range, default, meaning.");
   m.def(

@@ -26,6 +26,7 @@ __all__: list[str] = [
     "critical_effectiveness",
     "dcm_from_quat",
     "describe",
+    "endings",
     "energy",
     "euler_from_quat",
     "first_reach",
@@ -433,6 +434,11 @@ def dcm_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) ->
 def describe(family: str, name: str) -> dict:
     """
     Parameters of a component: name, kind, unit, range, default, meaning.
+    """
+
+def endings() -> list:
+    """
+    How a run can end: every status of a result.
     """
 
 def energy(

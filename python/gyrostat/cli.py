@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The command ``gyrostat``. Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early
-or flew without a command."""
+"""The command ``gyrostat``.
+
+Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early or flew without a command.
+"""
 
 from __future__ import annotations
 
@@ -56,6 +58,9 @@ class _Interrupted(BaseException):
     """Ctrl-C; typer makes something of its own of a KeyboardInterrupt."""
 
 
+_interrupted, _told = threading.Event(), threading.Event()
+
+
 def main() -> None:
     """Entry point: every foreseen problem is one line on stderr."""
     for stream in (sys.stdout, sys.stderr):  # whatever the terminal can show: no name or title is too strange to print
@@ -68,28 +73,37 @@ def main() -> None:
     try:
         status = app(standalone_mode=False)
         sys.stdout.flush()
-    except InputError as error:
-        status = _complain(str(error), 2)
-    except _Interrupted:
-        status = _complain("interrupted", 130)
-    except OSError as error:  # of the output; files have said their name already
-        _drop_output()
-        what = f"{error.filename or 'output'}: {(error.strerror or str(error)).lower()}"
-        status = 1 if isinstance(error, BrokenPipeError) else _complain(what, 2)
-    except MemoryError:
-        status = _complain("there is not enough memory for that", 2)
-    except Exception as error:
-        usage = getattr(
-            error, "format_message", None
-        )  # command line errors of typer, which has moved their class about
-        if usage is None:
-            raise
-        status = _complain(f"{one_line(usage())} See 'gyrostat --help'.", 2)
+    except (_Interrupted, Exception) as error:
+        status = _status_of(error)
     sys.exit(status if isinstance(status, int) else 0)
 
 
+def _status_of(error: BaseException) -> int:
+    """Say in one line what ended the command; what nobody foresaw is raised again."""
+    if _interrupted.is_set():  # Python makes other errors of one that is raised while it makes a class
+        return _say_interrupted()
+    if isinstance(error, InputError):
+        return _complain(str(error), 2)
+    if isinstance(error, OSError):  # of the output; files have said their name already
+        _drop_output()
+        what = f"{error.filename or 'output'}: {(error.strerror or str(error)).lower()}"
+        return 1 if isinstance(error, BrokenPipeError) else _complain(what, 2)
+    if isinstance(error, MemoryError):
+        return _complain("there is not enough memory for that", 2)
+    usage = getattr(error, "format_message", None)  # command line errors of typer, which has moved their class about
+    if usage is None:
+        raise error
+    return _complain(f"{one_line(usage())} See 'gyrostat --help'.", 2)
+
+
 def _interrupt(*_: object) -> NoReturn:
+    _interrupted.set()
     raise _Interrupted
+
+
+def _say_interrupted() -> int:
+    _told.set()
+    return _complain("interrupted", 130)
 
 
 def _watch_for_interruption(patience: float = 1.5) -> None:
@@ -97,16 +111,17 @@ def _watch_for_interruption(patience: float = 1.5) -> None:
 
     Runs look for it five times a second, but not inside a sample, and a sample of strange dynamics may take minutes.
     """
-    told, tell = os.pipe()
+    heard, tell = os.pipe()
     os.set_blocking(tell, False)
     signal.set_wakeup_fd(tell)
 
     def watch() -> None:
-        while os.read(told, 1) != bytes([signal.SIGINT]):
+        while os.read(heard, 1) != bytes([signal.SIGINT]):
             pass
         time.sleep(patience)
-        abandon()
-        _complain("interrupted", 130)
+        if not _told.is_set():
+            abandon()
+            _say_interrupted()
         os._exit(130)
 
     threading.Thread(target=watch, daemon=True).start()

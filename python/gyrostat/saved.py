@@ -4,18 +4,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
+from gyrostat import _core
 from gyrostat.errors import InputError, input_errors
 from gyrostat.model import Model
 from gyrostat.scenario import Scenario
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
+
+
+def _ending(status: str) -> str:
+    if status not in _core.endings():
+        raise InputError(f"'{status}' is no ending of a run; there are: {', '.join(_core.endings())}")
+    return status
+
 
 _Time = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
@@ -33,7 +41,7 @@ class Facts(Model):
 
     scenario: dict[str, Any]
     events: list[SavedEvent]
-    status: Literal["completed", "singular", "non_finite", "integration_failed"]
+    status: Annotated[str, AfterValidator(_ending)]
     cause: str
     end_time: _Time
     statistics: dict[str, int | float]
@@ -45,7 +53,7 @@ class Facts(Model):
         return cls(
             scenario=result.description,
             events=[SavedEvent(**vars(e)) for e in result.events],
-            status=result.status,  # type: ignore[arg-type]
+            status=result.status,
             cause=result.cause,
             end_time=result.end_time,
             statistics=dict(result.statistics),

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import math
+import re
 import subprocess
 import sys
 import threading
@@ -122,6 +123,9 @@ def test_mistakes_in_a_campaign_are_named(tmp_path: Path) -> None:
         (study / "claims.toml").write_text(text.replace(old, new, 1))
         with pytest.raises(gs.InputError, match=words):
             papers.load(str(study))
+    (study / "claims.toml").write_text(re.sub(r"\[campaigns\.(\w+)", r'[campaigns."../\1"', text))
+    with pytest.raises(gs.InputError, match=r"campaign '\.\./\w+': its name is that of a file"):
+        papers.load(str(study))
 
 
 def test_the_samples_are_of_haar_measure() -> None:

@@ -386,7 +386,7 @@ def test_no_fact_may_be_missing(saved: tuple[Path, dict[str, Array], dict[str, A
 @pytest.mark.parametrize(
     ("fact", "value", "said"),
     [
-        ("status", "done", "status = 'done'"),
+        ("status", "done", "status: 'done' is no ending of a run; there are: completed, singular"),
         ("end_time", 0.1, "the run ended at 0.1 s"),
         ("end_time", float("nan"), "end_time = nan"),
         ("events", [{"t": 0.1, "name": "x"}], "events[0]: count is missing"),

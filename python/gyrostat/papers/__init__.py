@@ -58,7 +58,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -368,7 +368,8 @@ Flight = Future[dict[str, float]]
 def _fly(campaign: Campaign, pool: Executor, meter: _Meter) -> list[Flight]:
     """Start every run of a campaign."""
     done = itertools.count(1)
-    flights = [pool.submit(campaign.fly, sample, meter.look) for sample in campaign.samples()]
+    fly = replace(campaign, watch=meter.look).fly
+    flights = [pool.submit(fly, sample) for sample in campaign.samples()]
     for flight in flights:
         flight.add_done_callback(lambda _: meter.advance(campaign.id, next(done) / campaign.runs))
     return flights

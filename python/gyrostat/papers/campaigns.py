@@ -23,6 +23,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -66,15 +67,17 @@ class Campaign:
     runs: int
     seed: int
     measures: Mapping[str, Measure]
+    watch: Callable[[float], None] | None = None
+    """Called by every run now and then; what it raises ends the run."""
 
     def samples(self) -> list[Scenario]:
         """The scenarios to fly, all drawn from one generator, so that they do not depend on the order of flying."""
         rng = np.random.default_rng(self.seed)
         return [self.scenario.replace(**self.sampler(rng, **self.arguments)) for _ in range(self.runs)]
 
-    def fly(self, sample: Scenario, progress: Callable[[float], None] | None = None) -> dict[str, float]:
+    def fly(self, sample: Scenario) -> dict[str, float]:
         """Fly one of them and measure it; NaN where a run could not be measured, e.g. because it never settled."""
-        result = sample.run(progress=progress)
+        result = sample.run(progress=self.watch)
         return {name: _measured(measure, result) for name, measure in self.measures.items()}
 
 
@@ -148,6 +151,8 @@ def build(
     measure
         Reads a ``measure`` table.
     """
+    if not re.fullmatch(r"[\w.@-]+", key):
+        raise InputError("its name is that of a file: letters, digits, '_', '-', '.' and '@' belong there")
     if entry.sampler not in samplers:
         raise InputError(f"unknown sampler '{entry.sampler}'{suggestion(entry.sampler, samplers)}")
     measures = {name: measure(table) for name, table in entry.measures.items()}
