@@ -44,6 +44,7 @@ class Solver : public AnySolver {
     p.worst_case = posed.worst_case;
     p.residual_weight = S(posed.residual_weight);
     p.margin = S(posed.margin);
+    p.max_newton = posed.max_newton;
     const typename Library::Solution s = library_.solve(p, state_);
     return {judged(D, weight, p),
             extended(s.command),
