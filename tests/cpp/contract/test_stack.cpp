@@ -45,13 +45,13 @@ TEST(Stack, TellsItsComponentsTheSampleAlsoWhileItHoldsAnInput) {
 }
 
 TEST(Stack, StartsOnlyOnceBothInputsWereValid) {
-  auto stack = flown();
-  EXPECT_EQ(stack.step(wobble<double>(0, 4), bad_reference()).u, VecN<double>::Zero(4));
+  const VecN<double> idle = VecN<double>::Zero(4);
+  auto stack = flown(), other = stack;
+  EXPECT_EQ(stack.step(wobble<double>(0, 4), bad_reference()).u, idle);
   EXPECT_TRUE(stack.last().status.has(Flag::input_held));
-  EXPECT_EQ(stack.step(spoilt(1), {}).u, VecN<double>::Zero(4)) << "the reference is there, and so was a measurement";
-  auto other = flown();
-  EXPECT_EQ(other.step(spoilt(0), {}).u, VecN<double>::Zero(4));
-  EXPECT_NE(other.step(wobble<double>(1, 4), bad_reference()).u, VecN<double>::Zero(4)) << "the reference is held";
+  EXPECT_NE(stack.step(spoilt(1), {}).u, idle) << "the measurement of before is held";
+  EXPECT_EQ(other.step(spoilt(0), {}).u, idle);
+  EXPECT_NE(other.step(wobble<double>(1, 4), bad_reference()).u, idle) << "the reference of before is held";
 }
 
 TEST(Stack, ResetForgetsTheCommandThatRateLimitsCountFrom) {
@@ -255,6 +255,50 @@ TEST(StackTells, OfAClippedCommandItsTorqueAndWhichActuatorsEachWay) {
     EXPECT_LT((out.achieved_B - torque<double>(setup.vehicle.D_B, delivered)).norm(), 1e-15);
   }
   EXPECT_EQ(expected.cwiseAbs(), VecN<double>::Constant(4, 0.2));
+}
+
+// ---- what is looked at -------------------------------------------------------------------------------------------
+
+TEST(GuardLooksAt, EveryNumberOfEverySignal) {
+  for (const double bad : {nan, infinity, -infinity}) {
+    const auto expect = [&](auto good, auto... numbers) {
+      EXPECT_TRUE(is_finite(good));
+      (..., [&] {
+        auto spoilt_signal = good;
+        numbers(spoilt_signal) = bad;
+        EXPECT_FALSE(is_finite(spoilt_signal)) << "number " << sizeof...(numbers) << ", " << bad;
+      }());
+    };
+    const Measurement<double> y = wobble<double>(0, 4);
+    expect(
+        y, [](auto& m) -> double& { return m.q_NB.z(); }, [](auto& m) -> double& { return m.omega_BN_B[2]; },
+        [](auto& m) -> double& { return m.h_w[3]; }, [](auto& m) -> double& { return m.euler.angles[1]; },
+        [](auto& m) -> double& { return m.euler.rates[2]; });
+    expect(
+        Reference<double>{}, [](auto& r) -> double& { return r.q_NR.w(); },
+        [](auto& r) -> double& { return r.omega_RN_R[0]; }, [](auto& r) -> double& { return r.omegadot_RN_R[1]; },
+        [](auto& r) -> double& { return r.euler.angles[2]; }, [](auto& r) -> double& { return r.euler.rates[0]; },
+        [](auto& r) -> double& { return r.euler_accelerations[1]; });
+    expect(
+        Estimate<double>::healthy(y), [](auto& x) -> double& { return x.q_NB.y(); },
+        [](auto& x) -> double& { return x.omega_BN_B[1]; }, [](auto& x) -> double& { return x.h_w[0]; },
+        [](auto& x) -> double& { return x.euler.rates[2]; }, [](auto& x) -> double& { return x.effectiveness[3]; },
+        [](auto& x) -> double& { return x.d_B[2]; });
+    Detection<double> det;
+    det.u_probe = VecN<double>::Zero(4);
+    expect(det, [](auto& d) -> double& { return d.u_probe[3]; });
+    Demand<double> demand;
+    demand.u_pref = VecN<double>::Zero(4);
+    expect(demand, [](auto& d) -> double& { return d.tau_B[1]; }, [](auto& d) -> double& { return d.u_pref[2]; });
+    expect(
+        Allocation<double>::idle(4), [](auto& a) -> double& { return a.u[1]; },
+        [](auto& a) -> double& { return a.achieved_B[0]; });
+  }
+  Estimate<double> x = Estimate<double>::healthy(wobble<double>(0, 4));
+  x.effectiveness_bound[2] = infinity;
+  EXPECT_TRUE(is_finite(x)) << "never excited";
+  x.effectiveness_bound[2] = nan;
+  EXPECT_FALSE(is_finite(x));
 }
 
 }  // namespace

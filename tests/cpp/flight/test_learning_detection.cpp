@@ -342,5 +342,132 @@ TEST(ThresholdDetector, RefusesAProbeWithoutRedundancyOrRoom) {
   EXPECT_FALSE(D::check(ftc_4rw<double>(), p).ok());
 }
 
+/// Rate observer, gains and learning step of the page; midpoint rule, as the page says.
+struct LearningWrittenOut {
+  gyrostat::Setup<double> setup;
+  AdaptiveIterativeLearningObserver<double>::Params p;
+  Vec3<double> what = Vec3<double>::Zero();
+  VecN<double> h_w = VecN<double>::Zero(4);
+  double k1 = 0, k2 = 0, k4 = 0;
+  std::vector<Vec3<double>> error;
+  std::vector<VecN<double>> e;
+  Mask seen;
+
+  void start(const Measurement<double>& y) {
+    what = y.omega_BN_B;
+    h_w = y.h_w;
+    k1 = p.k1_0;
+    k2 = p.k2_0;
+    k4 = p.k4_0;
+    error.assign(static_cast<std::size_t>(p.delay) + 1, Vec3<double>::Zero());
+    e.assign(static_cast<std::size_t>(p.delay) + 1, VecN<double>::Ones(4));
+    seen = Mask{};
+  }
+  void step(const Measurement<double>& y, const VecN<double>& u) {
+    const Mat3<double>& J = setup.vehicle.J_B;
+    const Mat3N<double>& D = setup.vehicle.D_B;
+    Vec3<double> tau = D * e.back().cwiseProduct(u) + k1 * (J * error.back());
+    for (int i = 0; i < 3; ++i) tau[i] += k2 * std::clamp(error.back()[i] / p.layer, -1.0, 1.0);
+    const Vec3<double> h_w_B = D * (h_w + y.h_w) / 2;
+    const auto rate = [&](const Vec3<double>& w) -> Vec3<double> {
+      return J.inverse() * (tau - w.cross(J * w + h_w_B));
+    };
+    what += setup.dt * rate(what + setup.dt / 2 * rate(what));
+    h_w = y.h_w;
+    error.push_back(y.omega_BN_B - what);
+    const double m = error.back().norm();
+    const bool grow = m > p.deadzone;
+    k1 = std::min(k1 + setup.dt * (grow ? p.mu1 * m : -p.leak * (k1 - p.k1_0)), p.k1_max);
+    k4 = std::min(k4 + setup.dt * (grow ? p.mu4 * m : -p.leak * (k4 - p.k4_0)), p.k4_max);
+    const double sign = m > p.chi ? 1 : -1;
+    k2 = std::clamp(k2 + setup.dt * (k2 > p.k2_0 ? p.mu2 * m * sign : p.gamma), 0.0, p.k2_max);
+    const std::size_t before = error.size() - 1 - static_cast<std::size_t>(p.delay);
+    const Vec3<double> lesson = J * (k4 * error.back() + p.k5 * error[before]);
+    Eigen::Matrix<double, 3, 4> Phi = D * u.asDiagonal();
+    Mask informative;
+    for (int i = 0; i < 4; ++i) {
+      informative.set(i, Phi.col(i).norm() >= p.u_gate && !p.frozen.test(i));
+      if (!informative.test(i)) Phi.col(i).setZero();
+    }
+    const Eigen::Matrix3d normal = Phi * Phi.transpose() + p.u_reg * p.u_reg * Eigen::Matrix3d::Identity();
+    const Eigen::Vector4d change = Phi.transpose() * normal.inverse() * lesson;
+    VecN<double> now = e.back();
+    for (int i = 0; i < 4; ++i)
+      if (informative.test(i)) now[i] = std::clamp(p.k3 * e[before][i] + change[i], p.e_min, p.e_max);
+    e.push_back(now);
+    seen = seen | informative;
+  }
+};
+
+TEST(AdaptiveIterativeLearning, IsTheEquationsOfItsPageGainsIncluded) {
+  const gyrostat::Setup<double> setup = with_spare<double>();
+  using O = AdaptiveIterativeLearningObserver<double>;
+  O::Params p = default_params<O>(setup);
+  p.k3 = 0.99;
+  p.k5 = 0.1;
+  p.delay = 3;
+  p.k4_0 = 0.3;
+  p.k4_max = 0.9;
+  p.leak = 3;
+  p.chi = 1.2 * p.deadzone;
+  ASSERT_TRUE(O::check(setup, p).ok());
+  O observer(setup, p);
+  LearningWrittenOut written{setup, p};
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int capped = 0, returning = 0;
+  for (int start = 0; start < 2; ++start) {
+    Body body(setup.vehicle);
+    body.omega_BN_B = {0.3, -0.2, 0.1};
+    Measurement<double> y = body.measured<double>(0);
+    (void)observer.start(y);
+    written.start(y);
+    for (int k = 1; k <= 900; ++k) {
+      if (k == 200) body.effectiveness << 0.5, 1, 0.0, 1;
+      // The last hundred samples push one actuator alone: what was learnt of the others stays known.
+      const Allocation<double> last =
+          k > 800 ? issued<double>({0.2, 0, 0, 0})
+                  : issued<double>({0.2 * (k % 60 < 30 ? 1 : -1), 0.2 * unit(random), k % 90 < 45 ? 0.15 : -0.15, 0.1});
+      body.advance(last.u, setup.dt);
+      y = body.measured<double>(static_cast<Tick>(k));
+      for (int i = 0; i < 4; ++i) y.h_w[i] = 0.1 * std::sin(0.02 * k + i);
+      if (k < 100) y.omega_BN_B += Vec3<double>(unit(random), unit(random), unit(random)) * 2 * p.deadzone;
+      const Estimate<double> x = observer.step(y, last);
+      written.step(y, last.u);
+      const std::vector<double> gains = telemetry_of(observer).at("gains");
+      ASSERT_NEAR(gains[0], written.k1, 1e-9 * p.k1_max) << k;
+      ASSERT_NEAR(gains[1], written.k2, 1e-9 * p.k2_max) << k;
+      ASSERT_NEAR(gains[2], written.k4, 1e-9 * p.k4_max) << k;
+      ASSERT_LT((x.effectiveness - written.e.back()).cwiseAbs().maxCoeff(), 1e-9) << k;
+      for (int i = 0; i < 4; ++i) EXPECT_EQ(std::isfinite(x.effectiveness_bound[i]), written.seen.test(i)) << k;
+      capped += written.k1 == p.k1_max ? 1 : 0;
+      returning += written.k1 < p.k1_max && written.error.back().norm() <= p.deadzone ? 1 : 0;
+    }
+  }
+  EXPECT_GT(capped, 20);
+  EXPECT_GT(returning, 100);
+}
+
+TEST(AdaptiveIterativeLearning, RefusesBothEndsOfItsGainsWhereTheyAreUnstable) {
+  const gyrostat::Setup<double> setup = with_spare<double>();
+  using O = AdaptiveIterativeLearningObserver<double>;
+  O::Params p = default_params<O>(setup);
+  p.k1_0 = 0;  // without correction the slow end rings for ever
+  EXPECT_EQ(O::check(setup, p).code, Status<double>::Code::unstable);
+  EXPECT_NE(std::string(O::check(setup, p).quantity).find("k1_0"), std::string::npos);
+  p = default_params<O>(setup);
+  p.k4_max = 350;
+  EXPECT_NE(std::string(O::check(setup, p).quantity).find("k1_max"), std::string::npos);
+}
+
+TEST(IterativeLearning, RefusesWhatRingsWhenSampled) {
+  const gyrostat::Setup<double> setup = with_spare<double>();
+  using O = IterativeLearningObserver<double>;
+  O::Params p = default_params<O>(setup);
+  EXPECT_TRUE(O::check(setup, p).ok());
+  p.k1 = 2.01 / setup.dt;
+  EXPECT_EQ(O::check(setup, p).code, Status<double>::Code::unstable);
+}
+
 }  // namespace
 }  // namespace gyrostat::test

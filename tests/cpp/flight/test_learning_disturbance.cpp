@@ -127,5 +127,48 @@ TEST(LearningDisturbance, MovesItsErrorByTheExactSolution) {
   }
 }
 
+TEST(LearningDisturbanceObserver, IsItsRecursionWithTheMeanOfTheKnownTorque) {
+  using Observer = LearningDisturbanceObserver<double>;
+  const auto setup = ftc_4rw<double>();
+  const Mat3<double>& J = setup.vehicle.J_B;
+  const Mat3N<double>& D = setup.vehicle.D_B;
+  for (const auto form : {Observer::Form::held, Observer::Form::rolling}) {
+    for (const auto from : {Observer::Start::measured, Observer::Start::zero}) {
+      Observer::Params p{18, 0.98, 15, 5, 0.03, form, from};
+      Observer observer(setup, p);
+      const bool held = form == Observer::Form::held;
+      const std::size_t back = held ? 1 : 3;
+      for (int start = 0; start < 2; ++start) {
+        Measurement<double> y;
+        y.omega_BN_B = {0.3, -0.2, 0.1};
+        y.h_w = VecN<double>::Constant(4, 2);
+        Vec3<double> e = from == Observer::Start::measured ? Vec3<double>(Vec3<double>::Zero()) : y.omega_BN_B;
+        std::vector<Vec3<double>> f(back, Vec3<double>::Zero()), past(f);
+        const auto learn = [&] {
+          f.push_back(0.98 * f[f.size() - back] + 15 * e + 5 * past[past.size() - back]);
+          past.push_back(e);
+        };
+        learn();
+        EXPECT_LT((observer.start(y).d_B - J * f.back()).norm(), 1e-12);
+        const double a = std::exp(-18 * setup.dt), b = (1 - a) / 18;
+        for (int k = 1; k <= 60; ++k) {
+          const Measurement<double> before = y;
+          y.omega_BN_B = Vec3<double>(std::cos(0.3 * k), std::sin(0.2 * k), 0.5 * std::cos(0.1 * k));
+          y.h_w = VecN<double>::Constant(4, 2 + std::sin(0.4 * k));
+          Allocation<double> last = Allocation<double>::idle(4);
+          last.u << 0.1 * std::sin(k), 0.1, -0.05, 0.02;
+          const auto known = [&](const Measurement<double>& m) -> Vec3<double> {
+            return -m.omega_BN_B.cross(J * m.omega_BN_B + D * m.h_w);
+          };
+          const Vec3<double> explained = (known(before) + known(y)) / 2 + D * last.u;
+          e = a * e + b * ((y.omega_BN_B - before.omega_BN_B) / setup.dt - J.inverse() * explained - f.back());
+          if (!held || k % 3 == 0) learn();
+          EXPECT_LT((observer.step(y, last).d_B - J * f.back()).norm(), 1e-9) << k;  // of some 1000 N m
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gyrostat::test

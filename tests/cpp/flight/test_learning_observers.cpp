@@ -279,7 +279,8 @@ TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToI
   EXPECT_EQ(rho[0], 0);
   EXPECT_EQ(rho[2], p.rho_max);
   (void)observer.start(at.y);
-  for (const double left : telemetry_of(observer).at("rho")) EXPECT_EQ(left, 0);
+  const std::vector<double> left = telemetry_of(observer).at("rho");
+  for (const double rho_i : left) EXPECT_EQ(rho_i, 0);
 }
 
 TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
@@ -329,8 +330,8 @@ TEST(LearningEffectivenessPrintedDouble, IsThePrintedRecursionWithItsPastError) 
       std::vector<Vec3<double>> e{Vec3<double>::Ones(), Vec3<double>::Ones()}, error(2, Vec3<double>::Zero());
       at.y.omega_BN_B.setZero();
       at.last.u.setZero();
-      for (int k = 0; k < 12; ++k) {
-        if (k > 0) at.y.omega_BN_B = 1e-3 * Vec3<double>(k % 3 - 1, 1, -k % 2);
+      for (int k = 0; k < 40; ++k) {
+        if (k > 0) at.y.omega_BN_B = 1e-2 * Vec3<double>(k % 3 - 1, 1, -1);
         if (k > 0) at.last.u << 1e-15, -1e-15, 1e-15;  // too small to turn the ball, large enough to have a sign
         const Estimate<double> x = k == 0 ? observer.start(at.y) : observer.step(at.y, at.last);
         const Vec3<double>&old_e = e[e.size() - 2], &old_error = error[error.size() - 2];
@@ -347,6 +348,113 @@ TEST(LearningEffectivenessPrintedDouble, IsThePrintedRecursionWithItsPastError) 
     }
     p.u_exc = 0;
   }
+}
+
+/// The equations of the page with dense matrices; the sample before and everything that is carried from it.
+struct WrittenOut {
+  gyrostat::Setup<double> setup;
+  LearningEffectiveness<double>::Params p;
+  Vec3<double> what = Vec3<double>::Zero(), error = Vec3<double>::Zero(), injection = Vec3<double>::Zero();
+  VecN<double> h_w, e = VecN<double>::Ones(4);
+  Eigen::Matrix4d P = Eigen::Matrix4d::Identity();
+
+  void start(const Measurement<double>& y) {
+    what = y.omega_BN_B;
+    h_w = y.h_w;
+    error.setZero();
+    injection.setZero();
+    e.setOnes();
+    P.setIdentity();
+  }
+  void step(const Measurement<double>& y, const VecN<double>& u) {
+    const Mat3<double>& J = setup.vehicle.J_B;
+    const Mat3N<double>& D = setup.vehicle.D_B;
+    const double dt = setup.dt;
+    const Vec3<double> tau = D * u.cwiseProduct(e) + injection;
+    const auto rate = [&](const Vec3<double>& w, const VecN<double>& h) -> Vec3<double> {
+      return J.inverse() * (tau - w.cross(J * w + D * h));
+    };
+    const VecN<double> half = (h_w + y.h_w) / 2;
+    const Vec3<double> k1 = rate(what, h_w), k2 = rate(what + dt / 2 * k1, half), k3 = rate(what + dt / 2 * k2, half);
+    what += dt / 6 * (k1 + 2 * k2 + 2 * k3 + rate(what + dt * k3, y.h_w));
+    h_w = y.h_w;
+    const Vec3<double> before = error;
+    error = y.omega_BN_B - what;
+    const Vec3<double> r = J * (error - before) / dt + injection;
+    for (int i = 0; i < 4; ++i) P(i, i) = std::min(P(i, i) + dt / p.memory, 1.0);
+    Eigen::Matrix<double, 3, 4> V = D * u.asDiagonal();
+    for (int i = 0; i < 4; ++i)
+      if (std::abs(u[i]) <= p.u_exc) V.col(i).setZero();
+    if (V.norm() > 0) {
+      const Eigen::Matrix3d spread = V * P * V.transpose();
+      for (int axis = 0; axis < 3; ++axis) {
+        if (r[axis] * r[axis] <= 9 * (spread(axis, axis) + p.torque_error * p.torque_error)) continue;
+        for (int i = 0; i < 4; ++i) {
+          if (std::abs(V(axis, i)) <= 0.5 * V.row(axis).cwiseAbs().maxCoeff()) continue;
+          P.row(i).setZero();
+          P.col(i).setZero();
+          P(i, i) = 1;
+        }
+      }
+      const Eigen::Matrix3d normal = V * V.transpose() + p.u0 * p.u0 * Eigen::Matrix3d::Identity();
+      const Eigen::Matrix<double, 4, 3> K = p.kappa * V.transpose() * normal.inverse();
+      for (int i = 0; i < 4; ++i)
+        if (std::abs(u[i]) > p.u_exc) e[i] = std::clamp(e[i] + K.row(i).dot(r), p.e_min, 1.0);
+      const Eigen::Matrix4d keep = Eigen::Matrix4d::Identity() - K * V;
+      const double R = p.torque_error * p.torque_error * (2 - p.kappa) / p.kappa;
+      P = keep * P * keep.transpose() + R * K * K.transpose();
+    }
+    for (int i = 0; i < 3; ++i) injection[i] = p.M[i] * error[i] + p.n * ((error[i] > 0) - (error[i] < 0));
+  }
+  double bound(int i) const {
+    const double half = std::sqrt(2 * std::max(P(i, i), 0.0));
+    return half < p.unknown_above ? half / e[i] : std::numeric_limits<double>::infinity();
+  }
+};
+
+TEST(LearningEffectivenessDouble, IsTheEquationsOfItsPageBoundIncluded) {
+  const auto setup = ftc_4rw<double>();
+  auto p = LearningEffectiveness<double>::Params::defaults(setup);
+  p.kappa = 0.1;
+  p.n = 0.02;
+  p.torque_error = 0.02;
+  p.memory = 3;
+  LearningEffectiveness<double> observer(setup, p);
+  WrittenOut written{setup, p};
+  Random random(9);
+  int known = 0, weakest = 0, held = 0;
+  for (int start = 0; start < 2; ++start) {
+    Body body(setup.vehicle);
+    body.omega_BN_B = {1.5, -1, 0.5};  // fast: the order of the prediction shows
+    Measurement<double> y = body.measured<double>(0);
+    Allocation<double> last = Allocation<double>::idle(4);
+    (void)observer.start(y);
+    written.start(y);
+    for (int k = 1; k <= 600; ++k) {
+      if (k == 150) body.effectiveness << 0.4, 1.0, 0.0, 0.8;
+      if (k == 400) body.effectiveness[0] = 0.9;
+      for (int i = 0; i < 4; ++i) last.u[i] = random.uniform(-0.2, 0.2) * (random.uniform(0, 1) < 0.2 ? 0.02 : 1);
+      if (k > 450 && k < 520) last.u.setConstant(1e-3);  // nothing to learn from: it forgets
+      body.advance(last.u, setup.dt);
+      y = body.measured<double>(static_cast<Tick>(k));
+      for (int i = 0; i < 4; ++i) y.h_w[i] = 0.02 * std::sin(0.05 * k + i);
+      const Estimate<double> x = observer.step(y, last);
+      written.step(y, last.u);
+      for (int i = 0; i < 4; ++i) {
+        ASSERT_NEAR(x.effectiveness[i], written.e[i], 1e-9) << k;
+        if (std::abs(2 * written.P(i, i) - p.unknown_above * p.unknown_above) < 1e-9) continue;
+        ASSERT_EQ(std::isinf(x.effectiveness_bound[i]), std::isinf(written.bound(i))) << k;
+        if (std::isinf(written.bound(i))) continue;
+        ASSERT_NEAR(x.effectiveness_bound[i], written.bound(i), 1e-8 * written.bound(i)) << k;
+        ++known;
+      }
+      weakest += x.effectiveness.minCoeff() == p.e_min ? 1 : 0;
+      held += x.effectiveness.maxCoeff() == 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(known, 500);
+  EXPECT_GT(weakest, 50) << "both ends of the projection are reached";
+  EXPECT_GT(held, 50);
 }
 
 }  // namespace

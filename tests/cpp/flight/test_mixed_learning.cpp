@@ -277,5 +277,14 @@ TYPED_TEST(MixedLearning_, FollowsARelabellingAndReflectionOfTheAxes) {
   }
 }
 
+TEST(MixedLearningDouble, AResetLearningKnowsNothing) {
+  MixedLearning<double> learning(gains_of<double>(Mat3<double>::Identity(), 0.9, 0.1, 0.99, 3));
+  for (int k = 0; k < 5; ++k) (void)learning.update(Vec3<double>(1, -2, 3));
+  EXPECT_GT(learning.learnt().norm(), 1);
+  learning.reset();
+  EXPECT_EQ(learning.learnt(), Vec3<double>(Vec3<double>::Zero()));
+  EXPECT_EQ(learning.update(Vec3<double>::Zero()), Vec3<double>(Vec3<double>::Zero()));
+}
+
 }  // namespace
 }  // namespace gyrostat::test

@@ -214,5 +214,143 @@ TEST(ShadowSetDouble, EveryMrpLawHasTheOption) {
   flies_the_long_way_when_told<SaturatedPd<double>>();
 }
 
+/// Once the law follows the far set, a start at the same attitude is the short way again.
+template <class Law>
+void chooses_anew_at_a_start() {
+  const auto setup = satellite();
+  const Detection<double> det = Detection<double>::none(setup.vehicle);
+  auto p = default_params<Law>(setup);
+  p.shadow_switch = 2;
+  Law law(setup, p), fresh = law;
+  const auto beyond = at<double>(turned(3.6), Vec3<double>::Zero(), 3);  // 206 deg: |sigma| = 1.25
+  (void)law.start(at<double>(turned(3.0), Vec3<double>::Zero(), 3), det, {});
+  EXPECT_LT(law.step(beyond, det, {}, Allocation<double>::idle(3)).tau_B[0], 0) << "goes on with its set";
+  const Vec3<double> tau_B = law.start(beyond, det, {}).tau_B;
+  EXPECT_GT(tau_B[0], 0);
+  EXPECT_EQ(tau_B, fresh.start(beyond, det, {}).tau_B);
+}
+
+TEST(ShadowSetDouble, AStartChoosesTheShortWayWhateverWasFollowedBefore) {
+  chooses_anew_at_a_start<PredefinedTime<double>>();
+  chooses_anew_at_a_start<TerminalSlidingMode<double>>();
+  chooses_anew_at_a_start<MrpFeedback<double>>();
+  chooses_anew_at_a_start<FiniteTime<double>>();
+  chooses_anew_at_a_start<SaturatedPd<double>>();
+}
+
+/// The switching torque is what k_s adds: k_s sat(s / phi), or along J^-1 G's, in a unit that makes it s for small angles.
+template <class Law>
+void switches_along_what_it_is_told(const typename Law::Params& params) {
+  const auto setup = satellite();
+  const Mat3<double>& J = setup.vehicle.J_B;
+  Random random(21);
+  for (int trial = 0; trial < 40; ++trial) {
+    auto p = params;
+    p.k_s = 0;
+    Law without(setup, p);
+    p.k_s = 3;
+    p.phi = trial % 2 == 0 ? 0.0 : 0.2;
+    p.direction = trial % 4 < 2 ? SwitchingDirection::surface : SwitchingDirection::matched;
+    Law with(setup, p);
+    Estimate<double> x = at<double>(random.attitude<double>(), random.vector<double>(0.3), 3);
+    x.d_B = random.vector<double>(1);
+    const Vec3<double> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;
+    const std::vector<double> s_values = telemetry_of(with).at("s");
+    Vec3<double> along(s_values[0], s_values[1], s_values[2]);
+    if (p.direction == SwitchingDirection::matched) {
+      const Mat3<double> G = mrp_rate_matrix(mrp(short_way(x.q_NB)));
+      along = 4 * J.trace() / 3 * (J.inverse() * (G.transpose() * along));
+    }
+    for (int i = 0; i < 3; ++i) {
+      const double shape = p.phi > 0 ? std::clamp(along[i] / p.phi, -1.0, 1.0) : (along[i] > 0 ? 1 : -1);
+      EXPECT_NEAR(difference[i], 3 * shape, 1e-11) << trial;  // differences of torques of some 100 N m
+    }
+  }
+}
+
+TEST(PredefinedTimeDouble, SwitchesAlongTheSurfaceOrMatchedToThePlant) {
+  switches_along_what_it_is_told<PredefinedTime<double>>(table1());
+  switches_along_what_it_is_told<TerminalSlidingMode<double>>({});
+}
+
+/// s some time later on the nominal plant, the torque held.
+template <class Law>
+Vec3<double> s_ahead(const typename Law::Params& p, const Quat<double>& q, const Vec3<double>& w,
+                     const Vec3<double>& tau_B, double t) {
+  const auto setup = satellite();
+  const Mat3<double>& J = setup.vehicle.J_B;
+  const Vec3<double> wdot = J.inverse() * (tau_B - w.cross(J * w));
+  Law probe(setup, p);
+  const Quat<double> later = q * quat_exp<double>(Vec3<double>(t * (w + t / 2 * wdot)));
+  (void)probe.start(at<double>(later, w + t * wdot, 3), {}, {});
+  const std::vector<double> s = telemetry_of(probe).at("s");
+  return {s[0], s[1], s[2]};
+}
+
+TEST(PredefinedTimeDouble, BothTimesAndPowersStandWhereTheyBelong) {
+  auto p = table1();
+  p.k_s = 0;
+  p.T1 = 7;
+  p.T2 = 13;
+  Random random(22);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Quat<double> q = random.attitude<double>();
+    const Vec3<double> w = random.vector<double>(0.5);
+    const Vec3<double> sigma = mrp(short_way(q)), sigma_rate = mrp_rate_matrix(sigma) * w;
+    if (sigma.squaredNorm() / 2 < 4 * p.floor1) continue;
+    PredefinedTime<double> law(satellite(), p);
+    const Vec3<double> tau_B = law.start(at<double>(q, w, 3), {}, {}).tau_B;
+    const Vec3<double> s = s_ahead<PredefinedTime<double>>(p, q, w, tau_B, 0);
+    const double V1 = sigma.squaredNorm() / 2, V2 = s.squaredNorm() / 2;
+    const double gain = std::exp(std::sqrt(V1)) / (std::sqrt(V1) * 2 * 0.5 * 7);
+    EXPECT_LT((s - (sigma_rate + gain * sigma)).norm(), 1e-13) << trial;
+    const double reach = std::exp(std::pow(V2, 0.3)) / (std::pow(V2, 0.3) * 2 * 0.3 * 13);
+    const double h = 1e-5;
+    const Vec3<double> rate =
+        (s_ahead<PredefinedTime<double>>(p, q, w, tau_B, h) - s_ahead<PredefinedTime<double>>(p, q, w, tau_B, -h)) /
+        (2 * h);
+    EXPECT_LT((rate + reach * s).norm(), 1e-5 * (1 + rate.norm())) << trial;
+  }
+}
+
+TEST(TerminalSlidingModeDouble, ReachesItsSurfaceAsItSays) {
+  TerminalSlidingMode<double>::Params p;
+  p.k_s = 0;
+  p.k1 = 0.8;
+  p.k2 = 0.3;
+  p.g2 = 0.7;
+  Random random(23);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Quat<double> q = random.attitude<double>();
+    const Vec3<double> w = random.vector<double>(0.5);
+    const Vec3<double> sigma = mrp(short_way(q)), sigma_rate = mrp_rate_matrix(sigma) * w;
+    if (sigma.cwiseAbs().minCoeff() < 3 * p.eta || sigma.norm() > 0.95) continue;  // curvature of the core, other set
+    TerminalSlidingMode<double> law(satellite(), p);
+    const Vec3<double> tau_B = law.start(at<double>(q, w, 3), {}, {}).tau_B;
+    const Vec3<double> s = s_ahead<TerminalSlidingMode<double>>(p, q, w, tau_B, 0);
+    const double h = 1e-6;
+    const Vec3<double> rate = (s_ahead<TerminalSlidingMode<double>>(p, q, w, tau_B, h) -
+                               s_ahead<TerminalSlidingMode<double>>(p, q, w, tau_B, -h)) /
+                              (2 * h);
+    for (int i = 0; i < 3; ++i) {
+      const double power = std::copysign(std::pow(std::abs(sigma[i]), 0.6), sigma[i]);
+      EXPECT_NEAR(s[i], sigma_rate[i] + 0.6 * sigma[i] + 0.3 * power, 1e-13);
+      const double reach = 0.8 * s[i] + 0.3 * std::copysign(std::pow(std::abs(s[i]), 0.7), s[i]);
+      EXPECT_NEAR(rate[i], -reach, 1e-5 * (1 + rate.norm())) << trial;
+    }
+  }
+}
+
+TEST(PredefinedTimeDouble, CountsTheSlopeOfItsLayerForStability) {
+  const auto setup = satellite();
+  auto p = PredefinedTime<double>::Params::defaults(setup);
+  // k_s / (4 J phi) dt = 2 about the smallest inertia, 17, at phi = 3.68e-4 for k_s = 5
+  p.k_s = 5;
+  p.phi = 3e-4;
+  EXPECT_EQ(PredefinedTime<double>::check(setup, p).code, Status<double>::Code::unstable);
+  p.phi = 5e-4;
+  EXPECT_TRUE(PredefinedTime<double>::check(setup, p).ok());
+}
+
 }  // namespace
 }  // namespace gyrostat::test

@@ -281,5 +281,57 @@ TEST(PrescribedPerformance, CountsTheTorqueOfRegularActuatorsOnTheirWeakerSide) 
   EXPECT_NEAR(telemetry_of(law).at("closing_time")[0], std::sqrt(4 * 2 * 0.5 * 20 / torque), 1e-12);
 }
 
+TEST(PrescribedPerformance, SubtractsTheEstimatedTorqueOnce) {
+  const gyrostat::Setup<double> setup = orthogonal<double>();
+  const auto expect = [&](auto law) {
+    Estimate<double> x = turned_by<double>({0.3, -0.2, 0.1});
+    const Vec3<double> without = law.start(x, {}, {}).tau_B;
+    x.d_B = {0.1, -0.2, 0.3};
+    EXPECT_LT((without - law.start(x, {}, {}).tau_B - x.d_B).norm(), 1e-15);
+  };
+  expect(PrescribedPerformance<double>(setup, default_params<PrescribedPerformance<double>>(setup)));
+  expect(FastTerminalSlidingMode<double>(setup, default_params<FastTerminalSlidingMode<double>>(setup)));
+}
+
+TEST(PrescribedPerformance, AsPrintedTheGyroscopicTorqueHasTheOtherSignAndTheReferenceNoMotion) {
+  using C = PrescribedPerformance<double>;
+  const gyrostat::Setup<double> setup = orthogonal<double>();
+  C::Params p = default_params<C>(setup);
+  C law(setup, p);
+  p.as_printed = true;
+  C printed(setup, p);
+  Estimate<double> x = turned_by<double>({0.3, -0.2, 0.1});
+  x.omega_BN_B = {0.1, -0.2, 0.05};
+  x.h_w << 1, -2, 3;
+  const Vec3<double> gyroscopic = x.omega_BN_B.cross(setup.vehicle.J_B * x.omega_BN_B + x.h_w);
+  const Vec3<double> difference = law.start(x, {}, {}).tau_B - printed.start(x, {}, {}).tau_B;
+  EXPECT_LT((difference - 2 * gyroscopic).norm(), 1e-14) << "a reference at rest";
+  Reference<double> moving;
+  moving.omegadot_RN_R = {0.01, 0.02, -0.01};
+  EXPECT_EQ(printed.start(x, {}, moving).tau_B, printed.start(x, {}, {}).tau_B);
+}
+
+TEST(Funnel, AroundAnErrorOfNothingOpensByItsFloor) {
+  for (const double q : {0.0, 0.004, -0.004}) {
+    const Funnel<double> f = Funnel<double>::armed(q, 1.05, 0.005, 8);
+    const FunnelBounds<double> b = funnel_bounds(f, shape<double>(), 0.0);
+    EXPECT_NEAR(b.upper, 1.05 * 0.005 + 0.005, 1e-17);
+    EXPECT_NEAR(b.lower, -(1.05 * 0.005 + 0.005), 1e-17);
+  }
+}
+
+TEST(PrescribedPerformance, CountsTheSteepestSlopeOfItsTerminalPartForStability) {
+  using C = PrescribedPerformance<double>;
+  const gyrostat::Setup<double> setup = orthogonal<double>();
+  C::Params p = default_params<C>(setup);
+  p.b4 = 1;
+  // (2 - r) s_core^(r-1) dt < 2 J of the smallest inertia, 14.8, at s_core = (1.4 / 2968)^(1 / 0.4) = 4.8e-9
+  p.b3 = 0;
+  p.s_core = 3e-9;
+  EXPECT_EQ(C::check(setup, p).code, Status<double>::Code::unstable);
+  p.s_core = 7e-9;
+  EXPECT_TRUE(C::check(setup, p).ok());
+}
+
 }  // namespace
 }  // namespace gyrostat::test

@@ -127,5 +127,37 @@ TEST_P(BadInput, OfAnySizeLeavesTheCommandInTheBox) {
     }
 }
 
+TEST_P(BadInput, AnActuatorBelowTheLeastEffectivenessIsLeftWhereItIsPreferred) {
+  Posed p = random_problem(random, rows(), 8);
+  p.effectiveness.assign(8, 0.8);
+  p.effectiveness[3] = GetParam().single ? 0.009 : 0.0009;
+  p.preferred.assign(8, 0);
+  for (double& u : p.demand) u *= 3;  // out of reach: a weak actuator would be driven to its limit for nothing
+  const Outcome s = solver->solve(p);
+  EXPECT_EQ(s.command[3], 0);
+  p.effectiveness[3] *= 1.2;
+  solver->reset();
+  EXPECT_NE(solver->solve(p).command[3], 0);
+}
+
+TEST_P(BadInput, ADemandBeyondTheScalarIsClampedWithAWarning) {
+  Posed p = random_problem(random, rows(), 8);
+  EXPECT_EQ(solver->solve(p).warnings & AllocationWarning::demand_clamped, 0);
+  p.demand[0] = 1e20;
+  solver->reset();
+  EXPECT_NE(solver->solve(p).warnings & AllocationWarning::demand_clamped, 0);
+}
+
+TEST_P(BadInput, ADirectionOfWhichNothingCanBeHadIsSaid) {
+  Posed p = random_problem(random, rows(), 8);
+  p.mode = AllocationMode::lexicographic_scaled;
+  p.effectiveness.assign(8, 0.8);
+  for (std::size_t i = 0; i < 8; ++i) p.lo[i] = p.up[i] = 0.1;  // nothing to choose, and not zero
+  const Outcome s = solver->solve(p);
+  EXPECT_NE(s.warnings & AllocationWarning::direction_lost, 0);
+  EXPECT_EQ(s.scale, 0);
+  EXPECT_EQ(certificate::box_violation(s.q, s.command), 0);
+}
+
 }  // namespace
 }  // namespace gyrostat::test

@@ -224,5 +224,46 @@ TEST_P(Certificates, ScaledShareIsTheLargestOne) {
   EXPECT_GT(reduced, count / 5);
 }
 
+/// Solves that end long before the optimum: the gap that is reported is the one that the returned numbers have.
+TEST_P(Certificates, ASolveThatEndsEarlyReportsItsGap) {
+  struct {
+    AllocationMode mode;
+    WorstCase worst_case;
+    Shape shape;
+  } const cases[] = {{AllocationMode::weighted_least_squares, WorstCase::bound, Shape::bound},
+                     {AllocationMode::robust_socp, WorstCase::bound, Shape::bound},
+                     {AllocationMode::robust_socp, WorstCase::exact, Shape::exact},
+                     {AllocationMode::robust_socp, WorstCase::paper_constant, Shape::constant}};
+  const std::unique_ptr<AnySolver> solver = GetParam().solver();
+  Random random(23);
+  for (const auto& c : cases) {
+    int early = 0;
+    for (int k = 0; k < 150; ++k) {
+      Posed p = random_problem(random, static_cast<std::size_t>(GetParam().rows), 8);
+      p.mode = c.mode;
+      p.worst_case = c.worst_case;
+      p.residual_weight = random.log_uniform(10, 1e3);
+      p.margin = 0.02;
+      p.max_newton = 1 + k % 4;
+      solver->reset();
+      const Outcome s = solver->solve(p);
+      const certificate::Spread spread(s.q.D);
+      const Real h = s.residual_weight, margin = single() ? Real(0.02f) : Real(0.02);
+      const bool weighted = c.mode == AllocationMode::weighted_least_squares || (s.theta == 0 && margin == 0);
+      const Real primal = weighted ? certificate::wls_primal(s.q, s.command, h)
+                                   : certificate::robust_primal(s.q, spread, s.command, h, c.shape, margin);
+      const Real dual =
+          weighted ? certificate::wls_dual(s.q, s.multiplier, h)
+                   : certificate::robust_dual(s.q, spread, s.command, s.multiplier, s.theta, h, c.shape, margin);
+      EXPECT_NEAR(double(s.primal / primal), 1, single() ? 1e-4 : 1e-11) << int(c.mode) << ' ' << k;
+      EXPECT_NEAR(double(s.gap / primal), double((primal - dual) / primal),
+                  (single() ? 1e-4 : 1e-11) * double(1 + s.gap / primal))
+          << int(c.mode) << ' ' << int(c.worst_case) << ' ' << k;
+      early += s.gap > 1e-3L * primal ? 1 : 0;
+    }
+    EXPECT_GT(early, 20) << int(c.mode) << ' ' << int(c.worst_case);
+  }
+}
+
 }  // namespace
 }  // namespace gyrostat::test

@@ -300,5 +300,156 @@ TYPED_TEST(OptimalAllocators, AllocateNoMemory) {
   });
 }
 
+/// What a component must pose to the solver, by hand, and what the solver answers.
+template <class S>
+struct Posed {
+  AllocationSolver<S, 3, max_actuators> solver;
+  AllocationProblem<S, 3, max_actuators> p;
+  AllocationState<S, 3, max_actuators> state;
+
+  Posed(const gyrostat::Setup<S>& setup, const Estimate<S>& x, const Demand<S>& d, AllocationMode mode,
+        const Vec3<S>& axis_weight)
+      : p(AllocationProblem<S, 3, max_actuators>::symmetric(setup.vehicle.actuators(), S(0.2))) {
+    p.mode = mode;
+    p.demand = d.tau_B;
+    p.effectiveness = x.effectiveness;
+    p.bound = x.effectiveness_bound.cwiseMin(S(0.1));
+    p.effectiveness_min = S(0.01);
+    EXPECT_TRUE(solver.configure(setup.vehicle.D_B, axis_weight));
+  }
+  AllocationSolution<S, 3, max_actuators> solution() { return solver.solve(p, state); }
+};
+
+TYPED_TEST(OptimalAllocators, PoseTheirParametersAndTellWhatTheSolverAnswers) {
+  using S = TypeParam;
+  Estimate<S> x = healthy<S>(4);
+  x.effectiveness << S(0.9), S(0.5), S(1), S(0.7);
+  x.effectiveness_bound << S(0.05), std::numeric_limits<S>::infinity(), S(0.02), S(0.3);
+  const Vec3<S> weight(S(1), S(2), S(0.5));
+  const auto shared = [&](auto& p) {
+    p.axis_weight = weight;
+    p.max_newton = 2;  // ends early: gaps that are not rounding
+  };
+  int gaps = 0;
+  Random random(31);
+  for (int k = 0; k < 60; ++k) {
+    const Vec3<S> wish = random.vector<S>(0.4);
+    const Demand<S> d = demand<S>(wish[0], wish[1], wish[2]);
+    const auto expect = [&](auto component, AllocationMode mode, bool weighted, auto&& pose) {
+      Posed<S> posed(this->setup, x, d, mode, weight);
+      posed.p.max_newton = 2;
+      pose(posed.p);
+      const auto s = posed.solution();
+      const Allocation<S> a = component.step(d, x, this->none);
+      EXPECT_EQ(a.u, s.command) << component.name << ' ' << k;
+      EXPECT_EQ(a.gap, weighted ? s.gap : s.residual_excess) << component.name << ' ' << k;
+      EXPECT_EQ(a.worst_case, s.worst_case) << component.name;
+      EXPECT_EQ(a.iterations, s.newton) << component.name;
+      EXPECT_EQ(a.saturated.bits(), s.saturated) << component.name;
+      EXPECT_EQ(a.status.has(Flag::cap_reached), s.status == AllocationStatus::cap_reached) << component.name;
+      EXPECT_EQ(a.status.has(Flag::demand_not_met), s.status == AllocationStatus::optimal_reduced) << component.name;
+      gaps += a.gap > S(1e-6) ? 1 : 0;
+    };
+    expect(this->template make<Lexicographic<S>>(this->setup, shared), AllocationMode::lexicographic, false,
+           [](auto&) {});
+    expect(this->template make<Lexicographic<S>>(this->setup,
+                                                 [&](auto& p) {
+                                                   shared(p);
+                                                   p.axis_priority = {S(0), S(2), S(1)};
+                                                 }),
+           AllocationMode::lexicographic, false, [](auto& p) { p.priority = {0, 2, 1}; });
+    expect(this->template make<LexicographicScaled<S>>(this->setup, shared), AllocationMode::lexicographic_scaled,
+           false, [](auto&) {});
+    expect(this->template make<WeightedLeastSquares<S>>(this->setup,
+                                                        [&](auto& p) {
+                                                          shared(p);
+                                                          p.residual_weight = S(20);
+                                                          p.uncertainty_weight = S(300);
+                                                          p.effort_weight << S(1), S(2), S(3), S(4);
+                                                        }),
+           AllocationMode::weighted_least_squares, true, [&](auto& p) {
+             p.residual_weight = S(20);
+             for (int i = 0; i < 4; ++i) {
+               const S spread = p.bound[i] * x.effectiveness[i];
+               p.effort_weight[i] = static_cast<S>(i + 1) + S(300) * spread * spread;
+             }
+           });
+    for (const WorstCase worst : {WorstCase::bound, WorstCase::exact, WorstCase::paper_constant})
+      expect(this->template make<RobustSocp<S>>(this->setup,
+                                                [&](auto& p) {
+                                                  shared(p);
+                                                  p.residual_weight = S(200);
+                                                  p.worst_case = worst;
+                                                  p.margin = S(0.03);
+                                                }),
+             AllocationMode::robust_socp, true, [&](auto& p) {
+               p.residual_weight = S(200);
+               p.worst_case = worst;
+               p.margin = S(0.03);
+             });
+  }
+  EXPECT_GT(gaps, 50) << "most of these solves end early, and say how far from the optimum";
+}
+
+TYPED_TEST(OptimalAllocators, ForgetActuatorsThatMayNotBeUsedAndTakeThemBack) {
+  using S = TypeParam;
+  this->setup.vehicle.u_lo.setZero();  // nozzles: an idle one sits on its limit
+  this->for_each([&](auto allocator) {
+    Demand<S> d = demand<S>(S(0), S(0), S(0.2));
+    d.u_pref = VecN<S>::Constant(4, S(0.1));
+    const Estimate<S> x = healthy<S>(4);
+    const VecN<S> before = allocator.step(d, x, this->none).u;
+    Detection<S> failed = this->none;
+    failed.failed.set(1);
+    const Allocation<S> a = allocator.step(d, x, failed);
+    EXPECT_EQ(a.u[1], S(0)) << allocator.name << ": neither used nor preferred";
+    EXPECT_FALSE(a.saturated.test(1)) << allocator.name;
+    EXPECT_GT((a.u - before).norm(), S(0.01)) << allocator.name;
+    const VecN<S> after = allocator.step(d, x, this->none).u;
+    EXPECT_LT((after - before).norm(), this->single ? S(1e-3) : S(1e-8)) << allocator.name;
+  });
+}
+
+TYPED_TEST(OptimalAllocators, RepeatTheCommandOfBeforeWhenTheyAreAskedForNonsense) {
+  using S = TypeParam;
+  this->for_each([&](auto allocator) {
+    const Estimate<S> x = healthy<S>(4);
+    const VecN<S> before = allocator.step(demand<S>(S(0.1), S(-0.05), S(0.02)), x, this->none).u;
+    const S nan = std::numeric_limits<S>::quiet_NaN();
+    const Allocation<S> a = allocator.step(demand<S>(S(0.1), nan, S(0)), x, this->none);
+    EXPECT_TRUE(a.status.has(Flag::bad_input)) << allocator.name;
+    EXPECT_EQ(a.u, before) << allocator.name;
+  });
+}
+
+TYPED_TEST(OptimalAllocators, DeratingKeepsTheRateFromEitherSide) {
+  using S = TypeParam;
+  this->setup.vehicle.u_rate.setConstant(S(1));
+  for (const S sign : {S(1), S(-1)}) {
+    auto allocator =
+        this->template make<Lexicographic<S>>(this->setup, [](auto& p) { p.bound_policy = BoundPolicy::derated; });
+    Estimate<S> x = healthy<S>(4);
+    const Demand<S> d = demand<S>(sign, sign, sign);
+    Allocation<S> a;
+    for (int k = 0; k < 30; ++k) a = allocator.step(d, x, this->none);
+    ASSERT_EQ(a.u[0], sign * S(0.2));
+    x.effectiveness[0] = S(0.5);
+    a = allocator.step(d, x, this->none);
+    EXPECT_NEAR(static_cast<double>(a.u[0]), static_cast<double>(sign) * 0.19, 1e-6);
+  }
+}
+
+TYPED_TEST(OptimalAllocators, DefaultPricesAreThoseOfAUnitAxis) {
+  using S = TypeParam;
+  gyrostat::Setup<S> strong = this->setup;
+  strong.vehicle.D_B.col(2) *= S(10);
+  const auto ratio = [&]<class A>(std::type_identity<A>) {
+    const S weak_price = default_params<A>(this->setup).residual_weight;
+    return static_cast<double>(weak_price / default_params<A>(strong).residual_weight);
+  };
+  EXPECT_NEAR(ratio(std::type_identity<RobustSocp<S>>{}), 100, 1e-3);
+  EXPECT_NEAR(ratio(std::type_identity<WeightedLeastSquares<S>>{}), 100, 1e-3);
+}
+
 }  // namespace
 }  // namespace gyrostat::test
