@@ -211,8 +211,8 @@ def run(
 ) -> None:
     """Fly a scenario and say how it went; `--out FOLDER` leaves a page that re-plays it.
 
-    A run that ends early (singularity, non-finite state, failed integration) is saved up to there; exit status 3, and also
-    where the stack never issued a command of its own.
+    A run that ends early (singularity, non-finite state, failed integration) is saved up to there; exit status 3, and
+    also where the stack never issued a command of its own.
 
     Examples: `gyrostat run wheel2_degraded`, `gyrostat run my.toml --set observer.lambda1=2 --out run.npz`
     """
@@ -391,8 +391,8 @@ def check(
     actuators is stable, unstable or unproven, with the critical effectiveness. With any observer that estimates
     something it says who uses the estimate, between which effectiveness of the actuators the sampled loop is stable,
     measured by small flights of the stack, and whether it is with what the faults leave. With an observer of
-    effectiveness it says what cannot be identified. It also says which torque the actuators can give in every direction, healthy and
-    when the faults leave them least. Exit status 1 if a check fails.
+    effectiveness it says what cannot be identified. It also says which torque the actuators can give in every
+    direction, healthy and when the faults leave them least. Exit status 1 if a check fails.
 
     Examples: `gyrostat check wheel2_degraded --torque 0.1 0.2 0`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """
@@ -643,8 +643,8 @@ def _guarded(result: Result) -> list[str]:
     done = [e for e in result.events if e.name.startswith("guard.")]
     samples = max(int(result.statistics.get("samples", len(result))), 1)
     return [
-        f"{e.name.removeprefix('guard.')} {_guard_words[e.name]} at {100 * e.count / samples:.3g} % of the samples, first at "
-        f"{e.t:g} s"
+        f"{e.name.removeprefix('guard.')} {_guard_words[e.name]} at {100 * e.count / samples:.3g} % of the samples, "
+        f"first at {e.t:g} s"
         for e in done
     ]
 

@@ -33,8 +33,8 @@ _groups = ("truth", "allocation", "estimate", "error", "detection", "reference",
 class Event:
     """A counter that moved: which, when, and its value from then on.
 
-    Of what the guard did (``guard.rate``, ``guard.controller``, ...) there is one event: the first time, and at how many
-    samples in all.
+    Of what the guard did (``guard.rate``, ``guard.controller``, ...) there is one event: the first time, and at how
+    many samples in all.
     """
 
     t: float
@@ -59,15 +59,15 @@ class Result:
     events: tuple[Event, ...] = ()
     """Arms, breaches, switches, ... with their times."""
     status: str = "completed"
-    """``completed``, ``singular``, ``non_finite``, ``integration_failed``, or ``no_command``: the duration was reached, but the
-    stack never issued a command of its own."""
+    """``completed``, ``singular``, ``non_finite``, ``integration_failed``, or ``no_command``: the duration was reached,
+    but the stack never issued a command of its own."""
     cause: str = ""
     """Why it is not ``completed``; "" when it is."""
     end_time: float = 0.0
     """Last instant reached, s."""
     statistics: Mapping[str, Any] = field(default_factory=dict)
-    """Work of the integrator: steps, evaluations, restarts of CVODE, smooth pieces of time; samples flown, and those at which
-    the guard held something."""
+    """Work of the integrator: steps, evaluations, restarts of CVODE, smooth pieces of time; samples flown, and those at
+    which the guard held something."""
     meta: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Unit, meaning and dimension of each channel."""
     components: Mapping[str, Any] = field(default_factory=dict)

@@ -112,5 +112,5 @@ def test_open_loop_says_what_is_wrong() -> None:
 def test_a_counter_that_did_not_move_is_not_measured(
     bench: dict[str, gs.Result], metric: str, given: dict[str, float]
 ) -> None:
-    with pytest.raises(ValueError, match="'controller.arms' did not count"):
+    with pytest.raises(ValueError, match=r"'controller\.arms' did not count"):
         signals.METRICS[metric](bench["a"], name="controller.arms", **given)

@@ -228,7 +228,7 @@ def gain_law(
 
 
 def surface_law(result: Result, *, b1: float, b2: float, r: float, eps_core: float, z_max: float) -> float:
-    """Largest difference of s from ``w_e + b1 eps + b2 sig^r(eps)`` at the recorded z and rates, rad/s; reference at rest."""
+    """Largest difference of s from ``w_e + b1 eps + b2 sig^r(eps)`` at recorded z and rates; reference at rest."""
     z = result["controller.z"]
     inside = np.clip(z, -z_max, z_max)
     eps = np.log((1.0 + inside) / (1.0 - inside)) + 2.0 / (1.0 - z_max**2) * (z - inside)
