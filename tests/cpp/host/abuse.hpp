@@ -159,7 +159,7 @@ inline Outcome abuse(const host::Table& scenario, bool regulates, long samples, 
     const bool clean = !last.status.has(Flag::input_held) && !last.status.has(Flag::component_reset) &&
                        !last.status.has(Flag::command_held);
     const double error = 2 * std::acos(std::min(1.0, std::abs(plant.q_NB().w())));
-    return clean && (!regulates || error + 5 * plant.omega_BN_B().norm() < 1.5*angle);
+    return clean && (!regulates || error + 5 * plant.omega_BN_B().norm() < 1.5 * angle);
   };
   constexpr long steady = 50;
   // Until normal for `steady` samples; the first of them counts.
