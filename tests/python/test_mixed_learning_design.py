@@ -340,7 +340,8 @@ def test_check_prints_every_margin_and_flags_the_published_gains() -> None:
     scenario = papers.load("wang2023").cases["mlsmc"].scenario
     found = {(f.where.split()[0], f.name): f for look in CHECKS for f in look(scenario)}
     observer = {name: f.ok for (role, name), f in found.items() if role == "observer"}
-    assert observer == {"m11": True, "r12": True, "m13": True, "m14": False, "m15": None, "unit": None, "schur": True}
+    learning = {"m11": True, "r12": True, "m13": True, "m14": False, "m15": None, "unit": None, "schur": True}
+    assert observer == learning | {"d_B": True}  # which is used
     controller = {name: f.ok for (role, name), f in found.items() if role == "controller"}
     assert controller == {"m33": True, "r34": True, "m35": True, "m36": True, "schur": True}
     compliant = papers.load("wang2023").cases["mlo_compliant"].scenario
