@@ -53,7 +53,7 @@ struct Status {
   enum class Code : std::uint8_t {
     ok,
     refused,     ///< cannot work
-    unstable,    ///< would diverge; `allow_unstable` overrides
+    unstable,    ///< would diverge or not come back; `allow_unstable` overrides
     wrong_chart  ///< the law does not fit the vehicle's coordinates
   };
   Code code = Code::ok;

@@ -28,7 +28,7 @@ template <class S>
 Status<S> actuators_can_recover(S observer_floor, S allocator_floor) noexcept {
   return Status<S>::require(observer_floor < S(0) || observer_floor >= allocator_floor,
                             "e_min of the observer, whose actuator would never be commanded again,", observer_floor,
-                            allocator_floor, ">=");
+                            allocator_floor, ">=", Status<S>::Code::unstable);
 }
 
 }  // namespace gyrostat

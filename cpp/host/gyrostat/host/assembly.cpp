@@ -287,6 +287,13 @@ std::string text_of(const Status<double>& s) {
          number_text(s.limit);
 }
 
+/// Lets pass what works, and what is unstable where the scenario wants it so.
+void admit(const Assembly& a, const std::string& where, const Status<double>& status) {
+  const bool unstable = status.code == Status<double>::Code::unstable;
+  if (status.ok() || (unstable && a.run.allow_unstable)) return;
+  refuse(where + ": " + text_of(status) + (unstable ? " (unstable; allow_unstable = true runs it anyway)" : ""));
+}
+
 /// Checked, then made: from outside when the type says so.
 template <class Base>
 std::unique_ptr<Base> make_one(const Family<Base>& family, const Assembly& a, const ComponentSpec& spec,
@@ -295,12 +302,7 @@ std::unique_ptr<Base> make_one(const Family<Base>& family, const Assembly& a, co
     if (!external) refuse(spec.where + ": type 'python' needs a Python object for this role");
     return external(a.setup);
   }
-  const Status<double> status = check_one(family, a.setup, spec);
-  const bool allowed = status.code == Status<double>::Code::unstable && a.run.allow_unstable;
-  if (!status.ok() && !allowed) {
-    const bool unstable = status.code == Status<double>::Code::unstable;
-    refuse(spec.where + ": " + text_of(status) + (unstable ? " (unstable; allow_unstable = true runs it anyway)" : ""));
-  }
+  admit(a, spec.where, check_one(family, a.setup, spec));
   return family.find(spec.type, spec.where).make(a.setup, spec.params, Place{spec.where, a.setup.vehicle.actuators()});
 }
 
@@ -375,8 +377,7 @@ std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) 
 
 Stack make_stack(const Assembly& a, const ExternalComponents& external) {
   const Catalogue& c = catalogue();
-  if (const Status<double> pair = check_pair(a); !pair.ok())
-    refuse(a.observer.where + ", " + a.allocator.where + ": " + text_of(pair));
+  admit(a, a.observer.where + ", " + a.allocator.where, check_pair(a));
   return Stack(a.setup, AnyObserver(make_one(c.observers, a, a.observer, external.observer)),
                AnyDetector(make_one(c.detectors, a, a.detector, external.detector)),
                AnyController(make_one(c.controllers, a, a.controller, external.controller)),
