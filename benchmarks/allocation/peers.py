@@ -55,6 +55,11 @@ class Problem:
         """Effect of a command."""
         return self.D * self.e
 
+    @property
+    def active(self) -> np.ndarray:
+        """Axes of the actuators that can act: the others deliver no error either."""
+        return self.D * (self.e > 0)
+
 
 def problems(rows: int, n: int, count: int) -> Iterator[Problem]:
     """Some 40 % of the demands can be had; the others are up to three times too large."""
@@ -74,7 +79,7 @@ def wls_objective(p: Problem, u: np.ndarray) -> float:
 
 
 def robust_objective(p: Problem, u: np.ndarray) -> float:
-    worst = np.linalg.norm(p.demand - p.A @ u) + np.linalg.norm(p.D, 2) * np.linalg.norm(p.bound * p.e * u)
+    worst = np.linalg.norm(p.demand - p.A @ u) + np.linalg.norm(p.active, 2) * np.linalg.norm(p.bound * p.e * u)
     return 0.5 * u @ u + 0.5 * p.h * worst**2
 
 
@@ -199,7 +204,7 @@ class Cone:
 
     def __init__(self, p: Problem) -> None:
         rows, n = p.D.shape
-        s_max = np.linalg.norm(p.D, 2)
+        s_max = np.linalg.norm(p.active, 2)
         self.n = n + 3
         self.P = sparse.diags(np.r_[np.ones(n), 0.0, 0.0, p.h], format="csc")
         box = np.vstack([np.eye(n, n + 3), -np.eye(n, n + 3), np.r_[np.zeros(n), 1.0, s_max, -1.0]])

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "gyrostat/core/signals.hpp"
+#include "gyrostat/flight/allocators/served_geometry.hpp"
 
 namespace gyrostat {
 
@@ -22,13 +22,17 @@ S torque_along(const Vehicle<S>& vehicle, const Vec3<S>& direction) noexcept {
 
 /// Torque, N m, that the actuators in use (spares are not) can produce in every direction: radius of the largest ball in
 /// the set { D u : u_lo <= u <= u_up }. Its faces are spanned by pairs of actuator axes. Infinite when flight knows no
-/// limit; zero when a direction cannot be produced.
+/// limit; zero when a direction cannot be produced, or is so weak that allocators drop it by default.
 template <class S>
 S torque_authority(const Vehicle<S>& vehicle) noexcept {
+  const int n = vehicle.actuators();
+  ServedGeometry<S> geometry(S(0), default_rank_tolerance<S>);
+  geometry.update(vehicle.D_B, Mask::all(n).without(vehicle.spare), VecN<S>::Ones(n));
+  if (geometry.rank() < 3) return S(0);
   S radius = std::numeric_limits<S>::infinity();
   bool spans = false;
-  for (int i = 0; i < vehicle.actuators(); ++i) {
-    for (int j = i + 1; j < vehicle.actuators(); ++j) {
+  for (int i = 0; i < n; ++i) {
+    for (int j = i + 1; j < n; ++j) {
       if (vehicle.spare.test(i) || vehicle.spare.test(j)) continue;
       const Vec3<S> a = vehicle.D_B.col(i), b = vehicle.D_B.col(j);
       const Vec3<S> normal = a.cross(b);

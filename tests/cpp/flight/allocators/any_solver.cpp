@@ -101,7 +101,8 @@ class Solver : public AnySolver {
       q.u.push_back(Real(weight[r]) * Real(p.demand[r]));
       for (std::size_t i = 0; i < n; ++i) {
         const Real d = D(r, static_cast<Eigen::Index>(i)), e = p.effectiveness[static_cast<Eigen::Index>(i)];
-        q.D[std::size_t(r)][i] = Real(weight[r]) * d;
+        const bool off = e < p.effectiveness_min || (p.lo[Eigen::Index(i)] == 0 && p.up[Eigen::Index(i)] == 0);
+        q.D[std::size_t(r)][i] = off ? 0 : Real(weight[r]) * d;  // what cannot act delivers no error
         q.A_unweighted[std::size_t(r)][i] = d * e;
         q.A[std::size_t(r)][i] = Real(weight[r]) * d * e;
       }

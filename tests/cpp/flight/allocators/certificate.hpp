@@ -15,7 +15,7 @@ using Matrix = std::vector<Vector>;  // a row each
 /// minimise over lo <= t <= up: effort 1/2 sum p (t - preferred)^2 and |A t - u|. A and u carry the row weights.
 struct Problem {
   Matrix A;  // weighted axes times effectiveness
-  Matrix D;  // weighted axes
+  Matrix D;  // weighted axes of the actuators that can act
   Matrix A_unweighted;
   Vector demand, row_weight;  // demand: unweighted
   Vector u, lo, up, preferred, p;

@@ -32,13 +32,12 @@ class AllocationSolver {
     D_ = D;
     W_ = row_weight;
     WD_ = row_weight.asDiagonal() * D;
-    spread_ = TorqueSpread<S, M>(WD_);
+    spread_known_ = false;
     for (Eigen::Index i = 0; i < D.cols(); ++i) column_size_[size_t(i)] = WD_.col(i).cwiseAbs().maxCoeff();
     return true;
   }
 
   int actuators() const noexcept { return static_cast<int>(D_.cols()); }
-  const TorqueSpread<S, M>& spread() const noexcept { return spread_; }
 
   [[nodiscard]] Solution solve(const Problem& p, State& state) noexcept {
     Solution out;
@@ -135,9 +134,11 @@ class AllocationSolver {
     choose_units(p, out);
     const S per_geometry = S(1) / geometry_, per_torque = S(1) / torque_, per_effort = S(1) / effort_;
     S size = S(0);
+    std::uint32_t active = 0;
     for (int i = 0; i < n; ++i) {
       const size_t k = size_t(i);
       const S e = effectiveness_[k] * per_geometry;
+      active |= static_cast<std::uint32_t>(e > S(0) && !(p.lo[i] == S(0) && p.up[i] == S(0))) << i;
       kernel_.a[k] = e * WD_.col(i);
       kernel_.lo[k] = std::max(p.lo[i] * per_torque, -far);  // far: no limit
       kernel_.up[k] = std::min(p.up[i] * per_torque, far);
@@ -153,6 +154,9 @@ class AllocationSolver {
       kernel_.b[r] = clamped(W_[r] * p.demand[r] * (per_geometry * per_torque), out.warnings);
       size_ = std::max(r == 0 ? size : size_, std::abs(kernel_.b[r]));
     }
+    if (!spread_known_ || active != active_) spread_ = TorqueSpread<S, M>(WD_, active);
+    spread_known_ = true;
+    active_ = active;
     kernel_.tolerance = (single ? S(2e-7) : S(1e-13)) * size_;
     kernel_.rank_tolerance = single ? S(3e-5) : S(1e-10);
 
@@ -409,18 +413,20 @@ class AllocationSolver {
     out.dual = (c.primal - c.gap) * unit;
 
     const bool delivered = is_lexicographic(p) ? closest.attained : meets(p, out);
-    if (capped || !proven(p, closest, c))
+    if (capped || !proven(p, closest, c, out.worst_case * per_residual))
       out.status = AllocationStatus::cap_reached;
     else if (!delivered)
       out.status = AllocationStatus::optimal_reduced;
     if (out.status != AllocationStatus::optimal) prove_infeasible(p, closest, weighted, out);
   }
 
-  /// The certificate is within the documented bound, or below what the rounding of the torques leaves of the objective.
-  bool proven(const Problem& p, const Closest& closest, const Certificate& c) const noexcept {
+  /// The certificate is within the documented bound, or within what the kernel's tolerance of the torque leaves open of the
+  /// objective: that decides where the torques are tiny against the limits.
+  bool proven(const Problem& p, const Closest& closest, const Certificate& c, S worst) const noexcept {
     if (is_lexicographic(p)) return closest.excess <= (single ? S(1e-4) : S(1e-11)) * size_;
     const S relative = single ? S(2e-3) : p.mode == AllocationMode::robust_socp ? S(1e-8) : S(1e-12);
-    return c.gap <= relative * c.primal + kernel_.tolerance * y_.norm();
+    const S left = S(4) * std::sqrt(S(M)) * kernel_.tolerance;  // of the residual, at most
+    return c.gap <= relative * c.primal + residual_weight_ * left * (worst + left);
   }
 
   /// Weighted modes never deliver all of a demand: a thousandth may be missing.
@@ -508,6 +514,8 @@ class AllocationSolver {
   Torque W_ = Torque::Ones();
   std::array<S, N> column_size_{};  // largest element of each column of W D
   TorqueSpread<S, M> spread_;
+  std::uint32_t active_ = 0;  // actuators in spread_
+  bool spread_known_ = false;
   // Of the solve under way; nothing here is read by the next one.
   DualNewton<S, M, N> kernel_;
   std::array<S, N> effectiveness_, weight_, command_;

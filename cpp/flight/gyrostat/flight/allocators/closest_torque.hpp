@@ -120,16 +120,42 @@ class ClosestTorqueSolve {
     keep_current(plain);
     Torque left = k.b;
     for (int i = 0; i < k.n; ++i) left -= plain.tau[std::size_t(i)] * k.a[std::size_t(i)];
-    const Polished<S, M, N> p = polish<S, M, N>(k, S(0), held_);
-    Result polished = out;
-    polished.tau = p.tau;
-    polished.y = p.y;
+    Polished<S, M, N> p = polish<S, M, N>(k, S(0), held_);
     prove(left, p.across, plain);
-    prove(p.residual, p.across, polished);
-    polished.effort_gap = effort_gap(polished);
+    Result polished = judged(p, out);
+    if (!polished.attained && polished.excess > excess_tolerance()) {
+      const Polished<S, M, N> q = polish<S, M, N>(k, S(0), held_, misplaced(polished));
+      const Result released = judged(q, out);
+      if (released.excess < polished.excess) {
+        polished = released;
+        p = q;
+      }
+    }
     const bool better = !plain.attained && (polished.attained || polished.excess <= plain.excess);
     left_ = length(better ? p.residual : left);
     out = better && polished.effort_gap <= S(1e3) * effort_tolerance() ? polished : plain;
+  }
+
+  Result judged(const Polished<S, M, N>& p, const Result& so_far) const noexcept {
+    Result r = so_far;
+    r.tau = p.tau;
+    r.y = p.y;
+    prove(p.residual, p.across, r);
+    r.effort_gap = effort_gap(r);
+    return r;
+  }
+
+  /// Actuators that could still push along the direction that ought to prove the residual: a large multiplier leaves open
+  /// on which side of their limit they are.
+  std::uint32_t misplaced(const Result& r) const noexcept {
+    std::uint32_t out = 0;
+    for (int i = 0; i < k.n; ++i) {
+      const std::size_t j = std::size_t(i);
+      const S reach = k.a[j].dot(r.direction);
+      const S room = reach > S(0) ? k.up[j] - r.tau[j] : k.lo[j] - r.tau[j];
+      out |= static_cast<std::uint32_t>(reach * room > S(0.1) * excess_tolerance()) << i;
+    }
+    return out;
   }
 
   /// Of a command that is not tau(y) exactly: its effort less the lower bound that y proves, from terms that are never negative.

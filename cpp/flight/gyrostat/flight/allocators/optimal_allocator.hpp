@@ -2,13 +2,13 @@
 /// @file  What the optimal allocators of the catalogue share: the vehicle's limits, masks and estimates become one
 ///        allocation problem, its answer an Allocation. Page: docs/allocation.md
 #pragma once
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/allocators/allocation_solver.hpp"
+#include "gyrostat/flight/allocators/served_geometry.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
 
 namespace gyrostat {
@@ -28,6 +28,7 @@ struct OptimalAllocatorParams {
   BoundPolicy bound_policy = BoundPolicy::physical;
   S bound_cap = S(0.1);
   S e_min = default_effectiveness_floor<S>;
+  S rank_tolerance = default_rank_tolerance<S>;
   int max_newton = 200;
 
   static constexpr void describe(auto& p, auto&& field) {
@@ -41,6 +42,7 @@ struct OptimalAllocatorParams {
     field(p.bound_cap,
           Field{"bound_cap", "", 0, 1, "effectiveness_bound is taken as this where it is larger or unknown"});
     field(p.e_min, Field{"e_min", "", 1e-3, 1, "weaker actuators are not used"});
+    field(p.rank_tolerance, rank_tolerance_field);
     field(p.max_newton,
           Field{"max_newton", "", 1, 1000, "Newton steps a sample; beyond them the best so far is issued"});
   }
@@ -61,11 +63,11 @@ class OptimalAllocator {
   void reset() noexcept {
     state_.reset();
     u_ = clip<S>(VecN<S>::Zero(vehicle_.actuators()), vehicle_.u_lo, vehicle_.u_up);
-    known_ = false;
+    geometry_.reset();
   }
 
   [[nodiscard]] Allocation<S> step(const Demand<S>& demand, const Estimate<S>& x, const Detection<S>& det) noexcept {
-    use(det.enabled.without(det.failed));
+    use(det.enabled.without(det.failed), x);
     pose(demand, x);
     state_.command = u_;
     solution_ = solver_.solve(problem_, state_);
@@ -86,10 +88,13 @@ class OptimalAllocator {
 
  protected:
   OptimalAllocator(const Setup<S>& setup, const OptimalAllocatorParams<S>& params, AllocationMode mode) noexcept
-      : vehicle_(setup.vehicle), du_max_(setup.vehicle.u_rate * setup.dt), params_(params) {
+      : vehicle_(setup.vehicle),
+        du_max_(setup.vehicle.u_rate * setup.dt),
+        params_(params),
+        geometry_(params.e_min, params.rank_tolerance) {
     problem_ = Problem::symmetric(vehicle_.actuators(), S(0));
     problem_.mode = mode;
-    problem_.effectiveness_min = params.e_min;
+    problem_.effectiveness_min = S(0);  // decided with the geometry
     problem_.max_newton = params.max_newton;
     reset();
   }
@@ -124,32 +129,36 @@ class OptimalAllocator {
     return problem_.mode == AllocationMode::weighted_least_squares || problem_.mode == AllocationMode::robust_socp;
   }
 
-  /// The geometry of the usable actuators; it changes with the masks alone.
-  void use(Mask usable) noexcept {
-    if (known_ && usable == usable_) return;
-    known_ = true;
+  /// The axes of the usable actuators, as far as they are served. What is dropped is gone from both sides of the problem.
+  void use(Mask usable, const Estimate<S>& x) noexcept {
+    const int n = vehicle_.actuators(), rank = geometry_.rank();
+    VecN<S> e(n);
+    for (int i = 0; i < n; ++i) e[i] = usable.test(i) ? std::clamp(x.effectiveness[i], S(0), S(1)) : S(0);
+    if (!geometry_.update(vehicle_.D_B, usable, e)) return;
+    const bool changed = !(usable == usable_) || geometry_.rank() != rank || !state_.valid;
+    if (!changed && rank == 3) return;
     usable_ = usable;
     Mat3N<S> D = vehicle_.D_B;
-    for (int i = 0; i < vehicle_.actuators(); ++i)
-      if (!usable.test(i)) D.col(i).setZero();
+    for (int i = 0; i < n; ++i) D.col(i) = usable.test(i) ? geometry_.served(D.col(i)) : Vec3<S>(Vec3<S>::Zero());
     solver_.configure(D, params_.axis_weight);
-    state_.valid = false;
+    if (changed) state_.valid = false;
   }
 
   void pose(const Demand<S>& demand, const Estimate<S>& x) noexcept {
-    problem_.demand = demand.tau_B;
+    problem_.demand = geometry_.served(demand.tau_B);
+    const S rounding = S(64) * Eigen::NumTraits<S>::epsilon();
+    ignored_ = (demand.tau_B - problem_.demand).norm() > rounding * demand.tau_B.norm();
     for (int i = 0; i < vehicle_.actuators(); ++i) {
       const bool usable = usable_.test(i);
       const S e = usable ? std::clamp(x.effectiveness[i], S(0), S(1)) : S(0);
       const S bound = std::min(x.effectiveness_bound[i], params_.bound_cap), spread = bound * e;
-      problem_.effectiveness[i] = e;
+      problem_.effectiveness[i] = geometry_.effectiveness()[i];
       problem_.bound[i] = std::max(bound, S(0));
       problem_.preferred[i] = usable && demand.u_pref.size() != 0 ? demand.u_pref[i] : S(0);
       problem_.effort_weight[i] = params_.effort_weight[i] + params_.uncertainty_weight * spread * spread;
       const S share = params_.bound_policy == BoundPolicy::derated && usable ? e : S(1);
       limit(i, limited(vehicle_.u_lo[i], share), limited(vehicle_.u_up[i], share));
     }
-    weak_axis_ = rank_lost();
   }
 
   static S limited(S limit, S share) noexcept { return std::isfinite(limit) ? limit * share : limit; }
@@ -161,38 +170,26 @@ class OptimalAllocator {
     problem_.up[i] = std::max(std::min(up, fastest), slowest);
   }
 
-  /// An axis of torque whose singular value is below a hundredth of the largest may be nothing but misalignment.
-  bool rank_lost() const noexcept {
-    Mat3<S> gram = Mat3<S>::Zero();
-    for (int i = 0; i < vehicle_.actuators(); ++i) {
-      const S e = problem_.effectiveness[i] < params_.e_min ? S(0) : problem_.effectiveness[i];
-      gram += (e * e) * vehicle_.D_B.col(i) * vehicle_.D_B.col(i).transpose();
-    }
-    const S trace = gram.trace(), least = S(1e-4);
-    if (S(4) * gram.determinant() > least * trace * trace * trace) return false;
-    const Eigen::SelfAdjointEigenSolver<Mat3<S>> eigen(gram, Eigen::EigenvaluesOnly);
-    return !(eigen.eigenvalues()[0] > least * eigen.eigenvalues()[2]);
-  }
-
   Flags flags() const noexcept {
     Flags f;
-    if (solution_.status == AllocationStatus::optimal_reduced) f.set(Flag::demand_not_met);
+    if (solution_.status == AllocationStatus::optimal_reduced || ignored_) f.set(Flag::demand_not_met);
     if (solution_.status == AllocationStatus::cap_reached) f.set(Flag::cap_reached);
     if (solution_.status == AllocationStatus::bad_input) f.set(Flag::bad_input);
-    if (weak_axis_) f.set(Flag::rank_lost);
+    if (geometry_.rank() < 3) f.set(Flag::rank_lost);
     return f;
   }
 
   Vehicle<S> vehicle_;
   VecN<S> du_max_;  ///< N m a sample
   OptimalAllocatorParams<S> params_;
+  ServedGeometry<S> geometry_;
   Solver solver_;
   Problem problem_;
   typename Solver::State state_;
   typename Solver::Solution solution_;
   Mask usable_;
-  VecN<S> u_;  ///< issued at the previous sample
-  bool known_ = false, weak_axis_ = false;
+  VecN<S> u_;             ///< issued at the previous sample
+  bool ignored_ = false;  ///< the demand has a part along an axis that is not served
 };
 
 }  // namespace gyrostat

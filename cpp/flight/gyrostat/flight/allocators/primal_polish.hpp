@@ -169,9 +169,10 @@ class RowBasis {
 };
 
 /// The kernel's current point, polished. @param soft 1 / residual weight; zero: least squares, then least effort
-/// @param held rows whose demand is met before the others'
+/// @param held rows whose demand is met before the others'   @param released clipped actuators that count as unclipped
 template <class S, int M, int N>
-Polished<S, M, N> polish(const DualNewton<S, M, N>& k, S soft, unsigned held = 0) noexcept {
+Polished<S, M, N> polish(const DualNewton<S, M, N>& k, S soft, unsigned held = 0, std::uint32_t released = 0) noexcept {
+  const auto is_free = [&](int i) { return k.is_free(i) || (released >> i & 1u) != 0u; };
   using Torque = Eigen::Matrix<S, M, 1>;
   Polished<S, M, N> out;
   Torque owed = k.b;
@@ -180,8 +181,8 @@ Polished<S, M, N> polish(const DualNewton<S, M, N>& k, S soft, unsigned held = 0
   for (int i = 0; i < k.n; ++i) {
     const std::size_t j = std::size_t(i);
     out.tau[j] = k.tau(i);
-    root[j] = k.is_free(i) ? std::sqrt(k.compliance[j]) : S(0);
-    owed -= (k.is_free(i) ? k.preferred[j] : out.tau[j]) * k.a[j];
+    root[j] = is_free(i) ? std::sqrt(k.compliance[j]) : S(0);
+    owed -= (is_free(i) ? k.preferred[j] : out.tau[j]) * k.a[j];
     rows.row(i) = root[j] * k.a[j].transpose();
   }
   const RowBasis<S, M, N> basis(rows, k.n, held);
@@ -190,7 +191,7 @@ Polished<S, M, N> polish(const DualNewton<S, M, N>& k, S soft, unsigned held = 0
   out.residual = k.b;
   for (int i = 0; i < k.n; ++i) {
     const std::size_t j = std::size_t(i);
-    if (k.is_free(i)) {
+    if (is_free(i)) {
       basis.subtract(i, root[j] * k.a[j].dot(k.y()), change);
       out.tau[j] = std::min(std::max(k.preferred[j] + root[j] * basis.x(i, w), k.lo[j]), k.up[j]);
     }

@@ -3,18 +3,19 @@
 ///
 ///     worst^2 = min over theta in (0, 1] of  r'(I - theta Sb)^-1 r + s_max^2 rho^2 / theta,   rho = |diag(eps e) tau|
 ///
-/// with S = W D (W D)', s_max^2 its largest eigenvalue and Sb = S / s_max^2: a trust-region problem without gap
+/// with S = W D (W D)' over the actuators that can act, s_max^2 its largest eigenvalue and Sb = S / s_max^2: a trust-region problem without gap
 /// (S-lemma). Replacing Sb by I gives the bound |r| + s_max rho. Page: docs/allocation.md
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace gyrostat {
 
-/// What the worst case needs of the geometry: computed when D or W changes, not at every allocation.
+/// What the worst case needs of the geometry: computed when D, W or the active actuators change, not at every allocation.
 template <class S, int M>
 struct TorqueSpread {
   using Torque = Eigen::Matrix<S, M, 1>;
@@ -26,10 +27,12 @@ struct TorqueSpread {
   Torque values = Torque::Zero();    ///< its eigenvalues, the largest is 1
 
   TorqueSpread() = default;
+  /// @param active bit i: actuator i can act; one that cannot delivers no error either
   template <class Columns>
-  explicit TorqueSpread(const Columns& WD) noexcept {
+  TorqueSpread(const Columns& WD, std::uint32_t active) noexcept {
     Matrix gram = Matrix::Zero();
-    for (Eigen::Index i = 0; i < WD.cols(); ++i) gram += WD.col(i) * WD.col(i).transpose();
+    for (Eigen::Index i = 0; i < WD.cols(); ++i)
+      if ((active >> i & 1u) != 0u) gram += WD.col(i) * WD.col(i).transpose();
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(gram);
     const S top = eigen.eigenvalues()[M - 1];
     if (!(top > S(0))) return;
