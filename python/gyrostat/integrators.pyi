@@ -27,7 +27,7 @@ def Rk4(
     Parameters
     ----------
     substeps
-        steps a sample, at least; [1, 100000]; default 1
+        at least so many steps a sample; [1, 100000]; default 1
     """
 
 def Auto(

@@ -212,12 +212,12 @@ def test_a_run_that_ends_early_is_saved_up_to_there_with_status_3(tmp_path: Path
 
 
 def test_run_says_when_auto_would_have_cost_less_than_a_tenth() -> None:
-    noisy = ["run", "ftc_4rw", "--set", "duration=5", "--set", 'sensors=[{type="gyro",noise=1e-2}]']
+    noisy = ["run", "ftc_4rw", "--set", "dt=0.1", "--set", 'sensors=[{type="gyro",noise=1e-2}]']
     done = gyrostat(*noisy)
     assert 'integrator = "auto" would have flown this in less than a tenth of the time' in done.stdout
     steps = float(done.stdout.split("cvode took ")[1].split()[0])
     assert steps > 4.0
-    for quiet in ([*noisy, "--set", "integrator=auto"], ["run", "ftc_4rw", "--set", "duration=5"]):
+    for quiet in ([*noisy, "--set", "integrator=auto"], ["run", "ftc_4rw", "--set", "dt=0.1"]):
         assert "would have flown" not in gyrostat(*quiet).stdout
 
 

@@ -35,7 +35,7 @@ struct Rk4 {
   int substeps = 1;
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.substeps, Field{"substeps", "", 1, 1e5, "steps a sample, at least"});
+    field(p.substeps, Field{"substeps", "", 1, 1e5, "at least so many steps a sample"});
   }
 };
 
