@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gyrostat import _core
 
-__all__ = ["AttainableSet", "Solutions", "attainable_set", "solve"]
+__all__ = ["AttainableSet", "Solutions", "attainable_set", "served_axes", "solve"]
 
 Floats = NDArray[np.float64]
 Mode = Literal["lexicographic", "lexicographic_scaled", "weighted_least_squares", "robust_socp"]
@@ -24,6 +24,7 @@ WorstCase = Literal["bound", "exact", "paper_constant"]
 
 _MODES = ("lexicographic", "lexicographic_scaled", "weighted_least_squares", "robust_socp")
 _WORST_CASES = ("bound", "exact", "paper_constant")
+DEFAULT_RANK_TOLERANCE: float = _core.default_rank_tolerance
 _STATUSES = np.array(["optimal", "optimal_reduced", "cap_reached", "bad_input"])
 
 
@@ -56,10 +57,14 @@ class Solutions:
     saturated
         (..., n) commands that sit on a limit, and are not at rest (zero).
     status
-        (...) ``optimal``, ``optimal_reduced`` (the demand is not delivered in full), ``cap_reached`` or ``bad_input``
-        (not a problem: the previous command of the batch clipped, or zero).
+        (...) ``optimal``, ``optimal_reduced`` (the demand is not delivered in full), ``cap_reached`` (not proven optimal to
+        the bounds of docs/allocation.md, see `gap`) or ``bad_input`` (not a problem: the previous command of the batch clipped,
+        or zero).
     warnings
         (...) bits: 1 effectiveness above 1 clamped, 2 weights capped, 4 demand clamped, 8 direction lost.
+    rank
+        (...) axes of torque that are served, of m; where some are dropped, the certificate is that of the problem on the others,
+        while `achieved` and `residual` are those of all axes.
     newton, outer
         (...) Newton steps in all, and rounds around them.
     seconds
@@ -83,6 +88,7 @@ class Solutions:
     saturated: NDArray[np.bool_]
     status: NDArray[np.str_]
     warnings: NDArray[np.int32]
+    rank: NDArray[np.int32]
     newton: NDArray[np.int32]
     outer: NDArray[np.int32]
     seconds: Floats
@@ -105,6 +111,7 @@ def solve(
     margin: float = 0.0,
     priority: Sequence[int] | None = None,
     effectiveness_min: float | None = None,
+    rank_tolerance: float = DEFAULT_RANK_TOLERANCE,
     max_newton: int = 200,
     warm: bool = False,
 ) -> Solutions:
@@ -138,6 +145,10 @@ def solve(
         m integers; rows of a smaller number are served first (``lexicographic``).
     effectiveness_min
         Default 1e-3.
+    rank_tolerance
+        As of the allocators that fly: an axis of torque with a smaller singular value of ``D diag(effectiveness)``, relative to
+        the largest, is dropped, and the demand along it ignored (`Solutions.rank`); 0 keeps every axis. Problems of three rows:
+        the six of torques and forces have no common measure.
     max_newton
         Limit of all Newton steps of one problem together.
     warm
@@ -146,7 +157,8 @@ def solve(
     Raises
     ------
     ValueError
-        Shapes that do not fit, or an unknown name. Bad numbers are reported in `Solutions.status`.
+        Shapes that do not fit, an unknown name, or row weights that are not positive. Other bad numbers are reported in
+        `Solutions.status`, problem by problem.
 
     Examples
     --------
@@ -193,6 +205,7 @@ def solve(
         residual_weight=residual_weight,
         margin=margin,
         effectiveness_min=-1.0 if effectiveness_min is None else effectiveness_min,
+        rank_tolerance=rank_tolerance,
         max_newton=max_newton,
         warm=warm,
     )
@@ -299,9 +312,14 @@ class AttainableSet:
 
 
 def attainable_set(
-    D: ArrayLike, up: ArrayLike, lo: ArrayLike | None = None, effectiveness: ArrayLike = 1.0
+    D: ArrayLike,
+    up: ArrayLike,
+    lo: ArrayLike | None = None,
+    effectiveness: ArrayLike = 1.0,
+    *,
+    rank_tolerance: float = DEFAULT_RANK_TOLERANCE,
 ) -> AttainableSet:
-    """The torques within reach of commands ``lo <= u <= up``.
+    """The torques within reach of commands ``lo <= u <= up``, along the axes that allocators serve.
 
     Parameters
     ----------
@@ -311,6 +329,9 @@ def attainable_set(
         (n,) or number, N m, finite; `lo` is ``-up`` unless given.
     effectiveness
         (n,) or number, delivered / commanded.
+    rank_tolerance
+        As of the allocators: an axis of torque with a smaller singular value of ``D diag(effectiveness)``, relative to the
+        largest, is dropped, and the set is flat; 0 keeps every axis.
 
     Raises
     ------
@@ -326,9 +347,23 @@ def attainable_set(
     if not (np.all(np.isfinite(upper)) and np.all(np.isfinite(lower)) and np.all(lower <= upper)):
         raise ValueError("limits must be finite, lo <= up")
     A = axes * np.broadcast_to(np.asarray(effectiveness, float), n)
+    A = served_axes(A, rank_tolerance) @ A
     generators = A * ((upper - lower) / 2)
     normals = _normals(generators)
     return AttainableSet(A @ ((upper + lower) / 2), generators, normals, np.abs(normals @ generators).sum(axis=1))
+
+
+def served_axes(A: ArrayLike, rank_tolerance: float = DEFAULT_RANK_TOLERANCE) -> Floats:
+    """Projector (3, 3) onto the axes of torque that allocators serve with the effective geometry `A` (3, n).
+
+    An axis with a singular value of `A` below `rank_tolerance` times the largest may be nothing but misalignment: it is dropped.
+    """
+    axes = np.asarray(A, float)
+    if axes.ndim != 2 or axes.shape[0] != 3:
+        raise ValueError(f"A {axes.shape} is not (3, actuators)")
+    if axes.shape[1] > 16:
+        axes = np.linalg.qr(axes.T, mode="r").T  # of the same singular values and axes
+    return np.eye(3) if rank_tolerance <= 0.0 else np.asarray(_core.served_axes(axes, rank_tolerance))
 
 
 def _normals(generators: Floats) -> Floats:

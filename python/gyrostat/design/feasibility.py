@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrostat.allocation import AttainableSet, attainable_set
+from gyrostat.allocation import DEFAULT_RANK_TOLERANCE, AttainableSet, attainable_set
 from gyrostat.design.finding import Finding
 from gyrostat.design.idle import faults_alone
 from gyrostat.scenario import Scenario
@@ -20,7 +20,8 @@ def attainable_after_faults(scenario: Scenario) -> tuple[AttainableSet, Attainab
     """What a scenario's vehicle can do while healthy, and when its faults leave it least.
 
     Limits are the truth's. Spare actuators count when the scenario has a detector that could enable them; what a faulty
-    actuator delivers by itself (bias, stuck output) moves the set.
+    actuator delivers by itself (bias, stuck output) moves the set. An axis that the scenario's allocator drops as too weak (its
+    `rank_tolerance`), the effectiveness known, has no torque.
 
     Returns
     -------
@@ -31,12 +32,14 @@ def attainable_after_faults(scenario: Scenario) -> tuple[AttainableSet, Attainab
     D, lo, up = _actuators(scenario)
     if not (np.all(np.isfinite(lo)) and np.all(np.isfinite(up))):
         return None
-    n = D.shape[1]
-    healthy = attainable_set(D, up, lo)
+    n, tolerance = D.shape[1], _rank_tolerance(scenario)
+    healthy = attainable_set(D, up, lo, rank_tolerance=tolerance)
     passed = faults_alone(scenario, ["truth.effectiveness", "truth.bias"])
     states = np.unique(np.hstack([passed["truth.effectiveness"], passed["truth.bias"]]), axis=0)
-    weakest = states[np.argsort(_least(healthy.normals, D, up, lo, states), kind="stable")[:100]]
-    sets = [attainable_set(D, up, lo, row[:n]).moved(D @ row[n:]) for row in weakest]
+    least = _least(healthy.normals, D, up, lo, states)
+    least[_weakest_axis(D, states[:, :n]) <= tolerance] = 0.0
+    weakest = states[np.argsort(least, kind="stable")[:100]]
+    sets = [attainable_set(D, up, lo, row[:n], rank_tolerance=tolerance).moved(D @ row[n:]) for row in weakest]
     return healthy, min(sets, key=lambda s: s.in_every_direction)
 
 
@@ -54,6 +57,17 @@ def _least(normals: Floats, D: Floats, up: Floats, lo: Floats, states: Floats) -
         centre = effectiveness @ (across * ((up + lo) / 2)).T + bias @ across.T
         least[at : at + 4096] = (reach + centre).min(axis=1)
     return least
+
+
+def _weakest_axis(D: Floats, effectiveness: Floats) -> Floats:
+    """Smallest singular value of ``D diag(effectiveness)`` relative to the largest, for each row (k, n)."""
+    values = np.linalg.svd(D * effectiveness[:, None, :], compute_uv=False)
+    least = values[:, 2] if D.shape[1] >= 3 else np.zeros(len(values))
+    return np.asarray(np.divide(least, values[:, 0], out=np.zeros(len(values)), where=values[:, 0] > 0))
+
+
+def _rank_tolerance(scenario: Scenario) -> float:
+    return float(scenario.resolve()["allocator"].get("rank_tolerance", DEFAULT_RANK_TOLERANCE))
 
 
 def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
@@ -102,9 +116,12 @@ def torque_findings(
     sets = attainable_after_faults(scenario)
     if sets is None:
         D, lo, up = _actuators(scenario)
-        if attainable_set(D, np.clip(up, 0, 1), np.clip(lo, -1, 0)).in_every_direction > 1e-12:
+        bounded = attainable_set(
+            D, np.clip(up, 0, 1), np.clip(lo, -1, 0), rank_tolerance=_rank_tolerance(scenario)
+        )
+        if bounded.in_every_direction > 1e-12:
             return []
-        text = "no torque in some direction, whatever the limits: no positive commands of all actuators add up to zero"
+        text = f"no torque in some direction, whatever the limits: {_why(scenario, bounded)}"
         return [Finding("torque", "every direction", text, False, 0.0, 0.0)]
     healthy, left = sets
     least, once = left.in_every_direction, healthy.in_every_direction
@@ -112,7 +129,7 @@ def torque_findings(
     now = (
         f"{least:.3g} N m in every direction"
         if least > nothing
-        else "no torque in some direction"
+        else f"no torque in some direction ({_why(scenario, left)})"
         if least >= -nothing
         else f"some direction falls short of zero by {-least:.3g} N m"
     )
@@ -125,6 +142,15 @@ def torque_findings(
     return found
 
 
+def _why(scenario: Scenario, left: AttainableSet) -> str:
+    """Why a set has no torque in some direction."""
+    values = np.linalg.svd(left.generators, compute_uv=False)
+    if len(values) == 3 and values[2] > 1e-9 * values[0]:
+        return "no positive commands of all actuators add up to zero"
+    tolerance = _rank_tolerance(scenario)
+    return f"an axis is lost, or below rank_tolerance = {tolerance:g} of the strongest and not served"
+
+
 def _demand(healthy: AttainableSet, left: AttainableSet, torque_B: Floats) -> Finding:
     size = float(np.linalg.norm(torque_B))
     reach, once = (float(np.nan_to_num(s.radius(torque_B))) for s in (left, healthy))
@@ -135,7 +161,7 @@ def _demand(healthy: AttainableSet, left: AttainableSet, torque_B: Floats) -> Fi
 def _flown(scenario: Scenario) -> Finding:
     """The largest shortfall of the demand against the set of its own sample, and how often there is one."""
     D, lo, up = _actuators(scenario)
-    n = D.shape[1]
+    n, tolerance = D.shape[1], _rank_tolerance(scenario)
     names = ["demand.tau_B", "truth.effectiveness", "truth.bias"]
     flown = scenario.run(channels=names)
     state = np.hstack([flown["truth.effectiveness"], flown["truth.bias"]])
@@ -144,7 +170,7 @@ def _flown(scenario: Scenario) -> Finding:
     if len(rows) > 2000:  # effectiveness that varies without end: to 1e-3 it does not
         rows, which = np.unique(np.round(state, 3), axis=0, return_inverse=True)
     for k, row in enumerate(rows):
-        left = attainable_set(D, up, lo, row[:n]).moved(D @ row[n:])
+        left = attainable_set(D, up, lo, row[:n], rank_tolerance=tolerance).moved(D @ row[n:])
         at = which.ravel() == k
         beyond = (flown["demand.tau_B"][at] - left.centre) @ left.normals.T - left.heights
         short[at] = np.maximum(beyond.max(axis=1), 0.0)
