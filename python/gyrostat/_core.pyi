@@ -28,6 +28,7 @@ __all__: list[str] = [
     "describe",
     "endings",
     "energy",
+    "estimate_flow",
     "euler_from_quat",
     "first_reach",
     "flight_model",
@@ -447,6 +448,11 @@ def energy(
 ) -> float:
     """
     Integral of sum_i u_i^2 dt, u held from each sample to the next.
+    """
+
+def estimate_flow(scenario: dict) -> dict:
+    """
+    By role, the estimates (d_B, effectiveness) that the observer makes and the others use; a Python component is left out.
     """
 
 def euler_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
