@@ -25,6 +25,7 @@ __all__: list[str] = [
     "check_params",
     "critical_effectiveness",
     "dcm_from_quat",
+    "default_rank_tolerance",
     "describe",
     "endings",
     "energy",
@@ -42,6 +43,7 @@ __all__: list[str] = [
     "resolve",
     "rotation_angle",
     "rotation_vector_from_quat",
+    "served_axes",
     "settling_time",
     "simulate",
     "total_variation",
@@ -140,7 +142,19 @@ class Measurement:
     Sensors to observer.
     """
     @property
+    def attitude_valid(self) -> bool:
+        """
+        False: q_NB was not measured at this sample but carried on by the model
+        """
+    @attitude_valid.setter
+    def attitude_valid(self, arg0: bool) -> None: ...
+    @property
     def euler(self) -> EulerState: ...
+    @property
+    def event(self) -> int:
+        """
+        counts jumps that no motion explains
+        """
     @property
     def h_w(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
@@ -148,6 +162,13 @@ class Measurement:
         """
     @h_w.setter
     def h_w(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def momentum_valid(self) -> bool:
+        """
+        False: h_w was not measured at this sample but carried on by the model
+        """
+    @momentum_valid.setter
+    def momentum_valid(self, arg0: bool) -> None: ...
     @property
     def omega_BN_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
@@ -162,6 +183,13 @@ class Measurement:
         """
     @q_NB.setter
     def q_NB(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[4, 1]"]) -> None: ...
+    @property
+    def rate_valid(self) -> bool:
+        """
+        False: omega_BN_B was not measured at this sample but carried on by the model
+        """
+    @rate_valid.setter
+    def rate_valid(self, arg0: bool) -> None: ...
     @property
     def tick(self) -> int: ...
 
@@ -237,6 +265,11 @@ class Estimate:
         """
     @effectiveness_bound.setter
     def effectiveness_bound(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    @property
+    def event(self) -> int:
+        """
+        of the measurement: counts jumps that no motion explains
+        """
     @property
     def h_w(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
@@ -393,6 +426,7 @@ def allocate(
     residual_weight: typing.SupportsFloat | typing.SupportsIndex,
     margin: typing.SupportsFloat | typing.SupportsIndex,
     effectiveness_min: typing.SupportsFloat | typing.SupportsIndex,
+    rank_tolerance: typing.SupportsFloat | typing.SupportsIndex,
     max_newton: typing.SupportsInt | typing.SupportsIndex,
     warm: bool,
 ) -> dict:
@@ -539,6 +573,14 @@ def rotation_vector_from_quat(
     Rotation vectors (..., 3) in rad, of length at most pi, of quaternions (..., 4).
     """
 
+def served_axes(
+    A: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    rank_tolerance: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Projector (3, 3) onto the axes of torque that allocators serve with A = D diag(effectiveness), (3, actuators).
+    """
+
 def settling_time(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
@@ -623,3 +665,4 @@ def window_rms(
     """
 
 __version__: str = "0.1.0"
+default_rank_tolerance: float = 0.01

@@ -92,3 +92,48 @@ def RateScale(
     scale
         factor of each axis; 1 is healthy; [-1000, 1000]; default [1.0, 1.0, 1.0]
     """
+
+def RateDropout(
+    *,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+) -> Component:
+    """The sensor 'rate_dropout'.
+
+    Parameters
+    ----------
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    """
+
+def AttitudeDropout(
+    *,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+) -> Component:
+    """The sensor 'attitude_dropout'.
+
+    Parameters
+    ----------
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    """
+
+def MomentumDropout(
+    *,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+) -> Component:
+    """The sensor 'momentum_dropout'.
+
+    Parameters
+    ----------
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    """
