@@ -2,7 +2,11 @@
 // The stack's guard: what a bad input, a bad component and a command outside its limits end in.
 #include <gtest/gtest.h>
 
-#include "stacks.hpp"
+#include <array>
+
+#include "../flight/closed_loop.hpp"
+#include "../random.hpp"
+#include "every_component.hpp"
 
 namespace gyrostat::test {
 namespace {
@@ -17,49 +21,339 @@ class Guard : public testing::Test {};
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(Guard, Scalars);
 
-TYPED_TEST(Guard, NonFiniteInputHoldsTheLastValidOneAndRecovers) {
-  using S = TypeParam;
-  for_every_stack<S>(ftc_4rw<S>(), [](auto stack) {
-    auto spoilt = stack;
-    for (Tick k = 0; k < 50; ++k) {
-      const Measurement<S> good = wobble<S>(k, 4);
-      Measurement<S> bad = good, held = wobble<S>(19, 4);
-      bad.omega_BN_B[1] = nan_of<S>();
-      held.tick = k;
-      const bool fails = k >= 20 && k < 25;
-      stack.step(fails ? held : good, {});
-      spoilt.step(fails ? bad : good, {});
-      EXPECT_EQ(spoilt.last().u, stack.last().u) << "a hold, sample " << k;
-      EXPECT_EQ(spoilt.last().status.has(Flag::input_held), fails) << k;
+/// Flies two copies of every stack over one body, whose measurements `spoil` may change for either; after `samples`.
+template <class S>
+void fly_twice(int samples, const auto& spoil, const auto& compare) {
+  const auto setup = ftc_4rw<S>();
+  for_every_stack<S>(setup, [&](auto stack) {
+    auto other = stack;
+    Body body(setup.vehicle);
+    body.omega_BN_B = {0.02, -0.03, 0.01};
+    for (int k = 0; k < samples; ++k) {
+      Measurement<S> y = body.measured<S>(static_cast<Tick>(k)), z = y;
+      spoil(k, y, z);
+      compare(k, stack.step(y, {}), other.step(z, {}), stack, other);
+      body.advance(stack.last().u.template cast<double>(), 0.01);
     }
-    EXPECT_TRUE(spoilt.last().u.allFinite());
   });
 }
 
-TYPED_TEST(Guard, EveryKindOfInputIsChecked) {
+TYPED_TEST(Guard, ARateThatIsNotFiniteIsOneThatWasNotMeasured) {
   using S = TypeParam;
-  const auto flagged = [](const Measurement<S>& y, const Reference<S>& ref) {
-    auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
-    stack.step(wobble<S>(0, 4), {});
-    return stack.step(y, ref).status.has(Flag::input_held);
-  };
+  const auto fails = [](int k) { return k >= 20 && k < 25; };
+  fly_twice<S>(
+      50,
+      [&](int k, Measurement<S>& y, Measurement<S>& z) {
+        if (!fails(k)) return;
+        y.omega_BN_B[1] = nan_of<S>();
+        z.rate_valid = false;
+      },
+      [&](int k, const Allocation<S>& a, const Allocation<S>& b, const auto& stack, const auto&) {
+        EXPECT_EQ(a.u, b.u) << k;
+        EXPECT_EQ(a.status.has(Flag::input_held), fails(k)) << k;
+        EXPECT_EQ(b.status.has(Flag::input_held), fails(k)) << k;
+        EXPECT_EQ(stack.measurement().rate_valid, !fails(k));
+        EXPECT_TRUE(stack.measurement().attitude_valid);
+        EXPECT_EQ(stack.measurement().tick, static_cast<Tick>(k)) << "the tick is that of the sample";
+      });
+}
+
+/// Every input, spoilt in every way that is one: flagged, and what it touches is replaced, nothing else.
+TYPED_TEST(Guard, EveryInputIsJudgedForItself) {
+  using S = TypeParam;
+  using Stack = FlightStack<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>;
   const Measurement<S> good = wobble<S>(1, 4);
-  EXPECT_FALSE(flagged(good, {}));
-  for (const S bad : {nan_of<S>(), std::numeric_limits<S>::infinity()}) {
+  const auto did = [](const Measurement<S>& y, const Reference<S>& ref) {
+    Stack stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
+    stack.step(wobble<S>(0, 4), {});
+    const Flags status = stack.step(y, ref).status;
+    const GuardActions& a = stack.actions();
+    EXPECT_EQ(status.has(Flag::input_held), a.measurement() || a.reference);
+    EXPECT_TRUE(stack.last().u.allFinite());
+    EXPECT_EQ(stack.estimate().h_w.size(), 4);
+    return std::array{a.attitude, a.rate, a.momentum, a.reference};
+  };
+  using Did = std::array<bool, 4>;
+  EXPECT_EQ(did(good, {}), (Did{false, false, false, false}));
+  const S huge = std::numeric_limits<S>::max() / S(1e8);
+  for (const S bad : {nan_of<S>(), std::numeric_limits<S>::infinity(), huge, -huge}) {
     Measurement<S> y = good;
     y.q_NB.w() = bad;
-    EXPECT_TRUE(flagged(y, {}));
+    EXPECT_EQ(did(y, {}), (Did{true, false, false, false}));
+    y = good;
+    y.omega_BN_B[2] = bad;
+    EXPECT_EQ(did(y, {}), (Did{false, true, false, false}));
     y = good;
     y.h_w[2] = bad;
-    EXPECT_TRUE(flagged(y, {}));
-    y = good;
-    y.euler.rates[0] = bad;
-    EXPECT_TRUE(flagged(y, {}));
+    EXPECT_EQ(did(y, {}), (Did{false, false, true, false}));
     Reference<S> ref;
+    ref.q_NR.z() = bad;
+    EXPECT_EQ(did(good, ref), (Did{false, false, false, true}));
+    ref = {};
+    ref.omega_RN_R[0] = bad;
+    EXPECT_EQ(did(good, ref), (Did{false, false, false, true}));
+    ref = {};
     ref.omegadot_RN_R[2] = bad;
-    EXPECT_TRUE(flagged(good, ref));
+    EXPECT_EQ(did(good, ref), (Did{false, false, false, true}));
+    y = good;  // a body's Euler angles are for the curious, who may record them at the pole
+    y.euler.rates[0] = bad;
+    EXPECT_EQ(did(y, {}), (Did{false, false, false, false}));
+  }
+  for (const int n : {0, 1, 3, 5, 16}) {
+    Measurement<S> y = good;
+    y.h_w.setZero(n);
+    EXPECT_EQ(did(y, {}), (Did{false, false, true, false})) << n << " wheels instead of 4";
+  }
+  for (const S length : {S(0), S(0.5), S(1.2), S(1e3)}) {
+    Measurement<S> y = good;
+    y.q_NB.coeffs() *= length;
+    EXPECT_EQ(did(y, {}), (Did{true, false, false, false})) << length;
+  }
+  Measurement<S> y = good;
+  y.attitude_valid = false;
+  EXPECT_EQ(did(y, {}), (Did{true, false, false, false}));
+  y = good;
+  y.momentum_valid = false;
+  EXPECT_EQ(did(y, {}), (Did{false, false, true, false}));
+  y = wobble<S>(0, 4);
+  y.tick = 7;  // not the tick of the sample before: renewed
+  EXPECT_EQ(did(y, {}), (Did{false, false, false, false}));
+}
+
+TYPED_TEST(Guard, EulerAnglesAreJudgedWhereTheyAreTheState) {
+  using S = TypeParam;
+  auto setup = ftc_4rw<S>();
+  setup.vehicle.coordinates = Coordinates::euler_angles;
+  auto stack = stack_of<Passthrough<S>, NoDetector<S>, OpenLoop<S>, PseudoInverse<S>>(setup);
+  const Measurement<S> good = wobble<S>(0, 4);
+  stack.step(good, {});
+  Measurement<S> y = wobble<S>(1, 4);
+  y.euler.angles[1] = nan_of<S>();
+  stack.step(y, {});
+  EXPECT_TRUE(stack.actions().attitude);
+  EXPECT_FALSE(stack.actions().rate);
+  EXPECT_TRUE(stack.measurement().euler.angles.allFinite());
+  Reference<S> ref;
+  ref.euler_accelerations[0] = nan_of<S>();
+  stack.step(wobble<S>(2, 4), ref);
+  EXPECT_TRUE(stack.actions().reference);
+}
+
+TYPED_TEST(Guard, ASampleThatWasNotRenewedIsNotMeasured) {
+  using S = TypeParam;
+  auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
+  for (Tick k = 1; k < 4; ++k) EXPECT_FALSE(stack.step(wobble<S>(k, 4), {}).status.has(Flag::input_held));
+  EXPECT_TRUE(stack.step(wobble<S>(3, 4), {}).status.has(Flag::input_held));
+  EXPECT_FALSE(stack.measurement().attitude_valid || stack.measurement().rate_valid);
+  EXPECT_FALSE(stack.step(wobble<S>(4, 4), {}).status.has(Flag::input_held));
+  stack.reset();
+  for (int k = 0; k < 3; ++k)  // a caller that does not count
+    EXPECT_FALSE(stack.step(wobble<S>(0, 4), {}).status.has(Flag::input_held));
+}
+
+// ---- what is carried on --------------------------------------------------------------------------------------------
+
+TYPED_TEST(Guard, AnInvalidAttitudeIsCarriedOnByTheMeasuredRate) {
+  using S = TypeParam;
+  const auto setup = ftc_4rw<S>();
+  auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
+  Body body(setup.vehicle);
+  body.omega_BN_B = {0.1, -0.2, 0.15};
+  for (int k = 0; k < 300; ++k) {
+    Measurement<S> y = body.measured<S>(static_cast<Tick>(k));
+    if (k >= 100) {
+      y.attitude_valid = false;
+      y.q_NB = Quat<S>::Identity();
+    }
+    stack.step(y, {});
+    body.advance(stack.last().u.template cast<double>(), 0.01);
+    const Quat<double> error = stack.measurement().q_NB.template cast<double>().conjugate() * body.q_NB;
+    // The trapezoid of the rates errs by h^2 / 12 of the change of acceleration; one sample of motion is left over here.
+    EXPECT_LT(rotation_angle(error), 1.1 * 0.01 * body.omega_BN_B.norm() + 1e-4) << k;
+  }
+  EXPECT_GT(rotation_angle(body.q_NB), 0.3) << "it turned";
+}
+
+TYPED_TEST(Guard, AnInvalidRateIsCarriedOnByTheModel) {
+  using S = TypeParam;
+  const auto setup = ftc_4rw<S>();
+  auto stack =
+      stack_of<FiniteTimeDisturbanceObserver<S>, NoDetector<S>, IntegralSlidingMode<S>, PseudoInverse<S>>(setup);
+  Body body(setup.vehicle);
+  body.omega_BN_B = {0.1, -0.2, 0.15};
+  body.d_B = {0.02, -0.01, 0.03};  // the observer knows it by then
+  double held = 0;
+  Vec3<double> before;
+  for (int k = 0; k < 400; ++k) {
+    Measurement<S> y = body.measured<S>(static_cast<Tick>(k));
+    if (k == 200) before = body.omega_BN_B;
+    if (k >= 200) {
+      y.rate_valid = false;
+      y.omega_BN_B.setConstant(nan_of<S>());
+      held = std::max(held, (body.omega_BN_B - before).norm());
+      EXPECT_LT((stack.measurement().omega_BN_B.template cast<double>() - body.omega_BN_B).norm(), 3e-3) << k;
+    }
+    stack.step(y, {});
+    body.advance(stack.last().u.template cast<double>(), 0.01);
+  }
+  EXPECT_GT(held, 0.03) << "the last rate would have been wrong by so much";
+}
+
+TYPED_TEST(Guard, UnmeasuredWheelsAreCarriedOnByTheirCommands) {
+  using S = TypeParam;
+  auto setup = ftc_4rw<S>();
+  setup.vehicle.wheels = Mask::all(4);
+  auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
+  VecN<S> h_w = VecN<S>::Constant(4, S(0.3));
+  for (Tick k = 0; k < 100; ++k) {
+    Measurement<S> y = wobble<S>(k, 4);
+    y.h_w = h_w;
+    if (k >= 20) y.h_w.resize(0);
+    stack.step(y, {});
+    EXPECT_LT((stack.measurement().h_w - h_w).norm(), S(1e-5)) << k;
+    h_w -= S(0.01) * stack.last().u;
   }
 }
+
+TYPED_TEST(Guard, WheelsThatWereNeverMeasuredStandStill) {
+  using S = TypeParam;
+  auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
+  Measurement<S> y = wobble<S>(0, 4);
+  y.h_w.resize(0);  // as a default-constructed measurement has it
+  EXPECT_TRUE(stack.step(y, {}).status.has(Flag::input_held));
+  EXPECT_FALSE(stack.last().status.has(Flag::rank_lost));
+  EXPECT_EQ(stack.measurement().h_w, VecN<S>::Zero(4));
+  auto measured = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
+  EXPECT_EQ(stack.last().u, measured.step(wobble<S>(0, 4), {}).u);
+}
+
+/// What an observer knows, while nothing is measured: the same bits, and no jump where measurements come back.
+TYPED_TEST(Guard, ObserversDoNotLearnFromWhatWasNotMeasured) {
+  using S = TypeParam;
+  const auto setup = ftc_4rw<S>();
+  for_every_component<S>(setup, [&](auto stack) {
+    Body body(setup.vehicle);
+    body.omega_BN_B = {0.05, -0.04, 0.03};
+    body.d_B = {0.01, -0.005, 0.02};
+    body.effectiveness[2] = 0.6;
+    Estimate<S> known;
+    for (int k = 0; k < 500; ++k) {
+      Measurement<S> y = body.measured<S>(static_cast<Tick>(k));
+      const bool blind = (k >= 300 && k < 340) || (k >= 400 && k < 404);
+      if (blind) y.omega_BN_B = {S(0.3), S(0.2), S(-0.1)};
+      if (k >= 300 && k < 340) y.rate_valid = false;
+      if (k >= 400 && k < 404) y.tick = 399;  // not renewed
+      stack.step(y, {});
+      if (k == 299 || k == 399) known = stack.estimate();
+      if (blind || k == 340 || k == 404) {
+        EXPECT_EQ(stack.estimate().effectiveness, known.effectiveness) << k;
+        EXPECT_EQ(stack.estimate().d_B, known.d_B) << k;
+        EXPECT_FALSE(stack.last().status.has(Flag::component_reset)) << k;
+      }
+      body.advance(stack.last().u.template cast<double>(), 0.01);
+    }
+  });
+}
+
+TYPED_TEST(Guard, WheelMomentumThatIsNotMeasuredTeachesNothingEither) {
+  using S = TypeParam;
+  const auto setup = ftc_4rw<S>();
+  auto stack = stack_of<FiniteTimeDisturbanceObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
+  for (Tick k = 0; k < 30; ++k) {
+    const Vec3<S> d_B = stack.estimate().d_B;
+    Measurement<S> y = wobble<S>(k, 4);
+    if (k >= 10 && k < 20) y.h_w[0] = nan_of<S>();
+    stack.step(y, {});
+    EXPECT_EQ(stack.estimate().d_B == d_B, k >= 10 && k <= 20) << k;
+  }
+}
+
+/// An observer without `skip` is stepped with what was carried on, and can see that it was.
+TEST(GuardSkips, AnObserverWithoutSkipSeesTheBits) {
+  struct Counting : Passthrough<double> {
+    using Passthrough::Passthrough;
+    int unmeasured = 0;
+    Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+      unmeasured += !y.rate_valid;
+      return Passthrough::step(y, last);
+    }
+  };
+  auto stack = stack_of<Counting, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(ftc_4rw<double>());
+  for (Tick k = 0; k < 20; ++k) {
+    Measurement<double> y = wobble<double>(k, 4);
+    y.rate_valid = k < 5 || k >= 12;
+    stack.step(y, {});
+  }
+  EXPECT_EQ(stack.estimator.observer.unmeasured, 7);
+}
+
+// ---- jumps ---------------------------------------------------------------------------------------------------------
+
+TYPED_TEST(Guard, ASpikeIsGarbageAndALevelThatStaysIsWhereTheVehicleIs) {
+  using S = TypeParam;
+  const auto setup = ftc_4rw<S>();
+  for (const int field : {0, 1, 2}) {
+    auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
+    const auto sample = [&](Tick k, bool elsewhere) {
+      Measurement<S> y = wobble<S>(k, 4);
+      if (elsewhere && field == 0) y.omega_BN_B[1] += S(2);
+      if (elsewhere && field == 1) y.q_NB = y.q_NB * quat_exp<S>({S(1), S(0), S(0)});
+      if (elsewhere && field == 2) y.h_w[1] += S(10);
+      stack.step(y, {});
+      return !stack.last().status.has(Flag::input_held);
+    };
+    for (Tick k = 0; k < 10; ++k) EXPECT_TRUE(sample(k, false));
+    EXPECT_FALSE(sample(10, true));
+    EXPECT_LT((stack.measurement().omega_BN_B - wobble<S>(10, 4).omega_BN_B).norm(), S(0.01)) << "carried on";
+    EXPECT_TRUE(sample(11, false));
+    EXPECT_EQ(stack.estimate().event, 0u) << "a spike is no jump";
+    EXPECT_FALSE(sample(12, true));
+    EXPECT_TRUE(sample(13, true)) << "borne out";
+    EXPECT_EQ(stack.estimate().event, 1u);
+    EXPECT_TRUE(sample(14, true));
+    EXPECT_EQ(stack.estimate().event, 1u);
+  }
+}
+
+TEST(GuardJumps, ASensorThatGoesOnJumpingIsFlownAsItIs) {
+  const auto setup = ftc_4rw<double>();
+  auto stack = stack_of<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(setup);
+  Random random(3);
+  int held = 0;
+  for (Tick k = 0; k < 1000; ++k) {
+    Measurement<double> y = wobble<double>(k, 4);
+    if (k > 0) y.omega_BN_B += random.vector<double>(50.0);
+    stack.step(y, {});
+    held += stack.last().status.has(Flag::input_held);
+  }
+  EXPECT_EQ(held, 10) << "ten samples in a row, then it is believed";
+}
+
+TEST(GuardJumps, WhatCommandAndRateExplainIsNone) {
+  auto setup = ftc_4rw<double>();
+  setup.vehicle.u_up.setConstant(std::numeric_limits<double>::infinity());
+  setup.vehicle.u_lo = -setup.vehicle.u_up;
+  setup.vehicle.J_B = satellite_inertia<double>();
+  struct Thrown : OpenLoop<double> {  // 2000 N m for a moment: 100 rad/s^2 that flight has asked for itself
+    using OpenLoop::OpenLoop;
+    Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
+                        const Allocation<double>& last) noexcept {
+      Demand<double> out = OpenLoop::step(x, det, ref, last);
+      if (x.tick >= 10 && x.tick < 20) out.tau_B = {2000, -2000, 1000};
+      return out;
+    }
+  };
+  auto stack = stack_of<Passthrough<double>, NoDetector<double>, Thrown, PseudoInverse<double>>(setup);
+  Body body(setup.vehicle);
+  for (int k = 0; k < 200; ++k) {  // then it tumbles at 15 rad/s
+    stack.step(body.measured<double>(static_cast<Tick>(k)), {});
+    EXPECT_FALSE(stack.last().status.has(Flag::input_held)) << k;
+    body.advance(stack.last().u, 0.01);
+  }
+  EXPECT_GT(body.omega_BN_B.norm(), 10);
+}
+
+// ---- before and after ----------------------------------------------------------------------------------------------
 
 TYPED_TEST(Guard, NothingStartsBeforeAValidInput) {
   using S = TypeParam;
@@ -183,8 +477,9 @@ TEST(GuardRestarts, AnObserverWhoseTorqueNothingCouldMake) {
     using BadObserver::BadObserver;
     Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
       Estimate<double> x = Passthrough::step(y, last);
-      if (y.tick == trouble) x.d_B[2] = -1001 * 4 * 0.2;
-      if (y.tick == trouble - 1) x.d_B[1] = 999 * 4 * 0.2;  // absurd, but believed
+      const double all = std::max(4 * 0.2, 0.04 * largest_inertia(satellite_inertia<double>()));
+      if (y.tick == trouble) x.d_B[2] = -1001 * all;
+      if (y.tick == trouble - 1) x.d_B[1] = 999 * all;  // absurd, but believed
       return x;
     }
   };
@@ -214,6 +509,113 @@ TEST(GuardRestarts, AController) {
 TEST(GuardRestarts, AnAllocator) {
   expect_restart<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, BadAllocator>(
       [](const auto& stack) { return stack.allocator.starts; });
+}
+
+/// Of any component, an output of the wrong size is an impossible one.
+template <int n>
+struct WrongEstimate : BadObserver {
+  using BadObserver::BadObserver;
+  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+    Estimate<double> x = Passthrough::step(y, last);
+    if (y.tick == trouble && n == 0) x.h_w.resize(0);
+    if (y.tick == trouble && n == 1) x.effectiveness.setOnes(3);
+    if (y.tick == trouble && n == 2) x.effectiveness_bound.setOnes(16);
+    if (y.tick == trouble && n == 3) x.effectiveness_bound[1] = -1;
+    if (y.tick == trouble && n == 4) x.q_NB.coeffs() *= 2;
+    return x;
+  }
+};
+TEST(GuardRestarts, AnObserverWithAnEstimateOfTheWrongSizeOrSign) {
+  const auto starts = [](const auto& stack) { return stack.estimator.observer.starts; };
+  using N = NoDetector<double>;
+  using C = MrpFeedback<double>;
+  using P = PseudoInverse<double>;
+  expect_restart<WrongEstimate<0>, N, C, P>(starts);
+  expect_restart<WrongEstimate<1>, N, C, P>(starts);
+  expect_restart<WrongEstimate<2>, N, C, P>(starts);
+  expect_restart<WrongEstimate<3>, N, C, P>(starts);
+  expect_restart<WrongEstimate<4>, N, C, P>(starts);
+}
+TEST(GuardRestarts, ADetectorWithAProbeOfTheWrongSize) {
+  struct Wrong : BadDetector {
+    using BadDetector::BadDetector;
+    Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) noexcept {
+      Detection<double> det = NoDetector::step(x, last);
+      if (x.tick == trouble) det.u_probe = VecN<double>::Constant(3, 0.01);
+      return det;
+    }
+  };
+  expect_restart<Passthrough<double>, Wrong, MrpFeedback<double>, PseudoInverse<double>>(
+      [](const auto& stack) { return stack.estimator.detector.starts; });
+}
+TEST(GuardRestarts, AControllerWithAPreferenceOfTheWrongSizeOrADemandBeyondSense) {
+  struct Wrong : BadController {
+    using BadController::BadController;
+    Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
+                        const Allocation<double>& last) noexcept {
+      Demand<double> demand = MrpFeedback::step(x, det, ref, last);
+      if (x.tick == trouble) demand.u_pref.setZero(5);
+      return demand;
+    }
+  };
+  struct Huge : BadController {
+    using BadController::BadController;
+    Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
+                        const Allocation<double>& last) noexcept {
+      Demand<double> demand = MrpFeedback::step(x, det, ref, last);
+      if (x.tick == trouble) demand.tau_B[1] = 1e20;
+      return demand;
+    }
+  };
+  const auto starts = [](const auto& stack) { return stack.controller.starts; };
+  expect_restart<Passthrough<double>, NoDetector<double>, Wrong, PseudoInverse<double>>(starts);
+  expect_restart<Passthrough<double>, NoDetector<double>, Huge, PseudoInverse<double>>(starts);
+}
+TEST(GuardRestarts, AnAllocatorWithACommandOfTheWrongSize) {
+  struct Wrong : BadAllocator {
+    using BadAllocator::BadAllocator;
+    Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+                            const Detection<double>& det) noexcept {
+      Allocation<double> out = PseudoInverse::step(demand, x, det);
+      if (x.tick == trouble) out.u.resize(2);
+      return out;
+    }
+  };
+  expect_restart<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, Wrong>(
+      [](const auto& stack) { return stack.allocator.starts; });
+}
+
+TEST(GuardClips, AVehicleWithoutLimitsHasItsOwn) {
+  for (const double scale : {1.0, 1e-4}) {
+    auto setup = ftc_4rw<double>();
+    setup.vehicle.J_B *= scale;
+    setup.vehicle.u_up.setConstant(std::numeric_limits<double>::infinity());
+    setup.vehicle.u_lo = -setup.vehicle.u_up;
+    setup.vehicle.u_lo[1] = 0;  // one-sided
+    setup.vehicle.u_up[2] = 0.2 * scale;
+    setup.vehicle.u_lo[2] = -0.1 * scale;
+    const Vehicle<double> limited = Guard<double>(setup).vehicle();
+    const double J = largest_inertia(setup.vehicle.J_B);
+    EXPECT_NEAR(limited.u_up[0], J / 1e-4, 1e-9 * J / 1e-4);  // a radian within a sample
+    EXPECT_EQ(limited.u_lo[0], -limited.u_up[0]);
+    EXPECT_EQ(limited.u_lo[1], 0);
+    EXPECT_EQ(limited.u_up[1], limited.u_up[0]);
+    EXPECT_EQ(limited.u_up[2], 0.2 * scale) << "what flight knows is kept";
+    EXPECT_EQ(limited.u_lo[2], -0.1 * scale);
+    struct Far : PseudoInverse<double> {
+      using PseudoInverse::PseudoInverse;
+      Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+                              const Detection<double>& det) noexcept {
+        Allocation<double> out = PseudoInverse::step(demand, x, det);
+        out.u.setConstant(-1e30);
+        return out;
+      }
+    };
+    auto stack = stack_of<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, Far>(setup);
+    stack.step(wobble<double>(0, 4), {});
+    EXPECT_EQ(stack.last().u, limited.u_lo);
+    EXPECT_EQ(stack.last().saturated, Mask::all(4));
+  }
 }
 
 TEST(GuardClips, ACommandOutsideItsBoxAndItsRate) {

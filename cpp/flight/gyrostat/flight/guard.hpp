@@ -2,17 +2,20 @@
 /// @file  What cannot be on this vehicle at this period, and what to fly on where nothing was measured.
 ///
 /// A signal is impossible when it has not one number an actuator, when a number in it is not finite, or when it is beyond any
-/// motion that samples could follow. The scales, with J the largest inertia, T the torque of all actuators together but at
-/// least 0.04 J rad/s^2, and an actuator without limit counting as what defaults count on (stiffness.hpp):
+/// motion that samples could follow. The scales, with J the largest inertia and T the torque of all actuators together, at
+/// least 0.04 J rad/s^2, an actuator without limit counting as what defaults count on (stiffness.hpp):
 ///
-///   quaternion    a tenth off unit length;  in one sample, 0.2 rad beyond twice what the rate explains
-///   rate          100 rad a sample;         in one sample, 1000 T dt / J, but at least 0.1 rad/s; so the reference's too
-///   momentum      1000 J rad a sample;      in one sample, 1000 T dt
+///   quaternion    a tenth off unit length
+///   rate          100 rad a sample;          of the reference too, and its change 100 rad a sample^2
+///   momentum      1000 J rad a sample
 ///   demand        1e6 J rad a sample^2
-///   d_B           1000 T
-///   command       without limit: 1000 times what defaults count on, and what turns J by a radian within a sample
+///   d_B           1000 T;                    without limits, 1e6 J rad a sample^2
+///   command       no less than the limits;   without limits, 1000 J rad a sample^2
 ///
-/// They part garbage from flight, no more: a wrong number inside them is flown. Page: docs/flight_software.md
+/// A command beyond its scale is issued, for who sets no limit has none, but it is not issued again and nothing is learned from it.
+/// No motion leads from one sample to the next when the rate changes by more than 100 T dt / J (at least 0.02 rad/s) beyond
+/// twice what the command and the rate explain, wheel momentum likewise, or the attitude by more than 0.2 rad beyond the rate.
+/// All this parts garbage from flight, no more: a wrong number inside is flown. Page: docs/flight_software.md
 #pragma once
 #include <Eigen/LU>
 #include <algorithm>
@@ -37,23 +40,26 @@ class Guard {
  public:
   explicit Guard(const Setup<S>& setup) noexcept : vehicle_(setup.vehicle), dt_(setup.dt) {
     const S J = largest_inertia(vehicle_.J_B), unit = J / (dt_ * dt_);
-    const S least = S(0.04) * J, usable = std::max(usable_torque(vehicle_), least);
-    torque_ = S(0);
+    least_ = smallest_inertia(vehicle_.J_B);
+    bool unlimited = false;
+    S all = S(0);
+    command_ = S(0);
     for (int i = 0; i < vehicle_.actuators(); ++i) {
       const S lever = vehicle_.D_B.col(i).norm();
       const S limit = std::max(std::abs(vehicle_.u_lo[i]), std::abs(vehicle_.u_up[i]));
-      const bool limited = lever * limit <= S(1000) * unit;
-      torque_ += limited ? lever * limit : std::min(usable, unit);
-      if (!limited) limit_command(i, std::min(S(1000) * usable, unit) / (lever > S(0) ? lever : S(1)));
+      const bool limited = lever * limit <= S(1000) * unit;  // not where there is neither
+      all += limited ? lever * limit : std::min(usable_torque(vehicle_), unit);
+      command_ = std::max(command_, limited ? limit : S(1000) * unit / (lever > S(0) ? lever : S(1)));
+      unlimited = unlimited || !limited;
     }
-    torque_ = std::max(torque_, least);
-    rate_ = S(100) / dt_;
+    torque_ = std::max(all, S(0.04) * J);
     acceleration_ = std::max(S(100) * torque_ / J, S(0.02) / dt_);
+    rate_ = S(100) / dt_;
     momentum_ = S(1000) * J / dt_;
     demand_ = S(1e6) * unit;
+    d_B_ = unlimited ? demand_ : S(1000) * torque_;
   }
 
-  /// The vehicle with a limit for every command.
   const Vehicle<S>& vehicle() const noexcept { return vehicle_; }
 
   bool attitude_possible(const Measurement<S>& y) const noexcept {
@@ -63,15 +69,15 @@ class Guard {
   bool momentum_possible(const VecN<S>& h_w) const noexcept { return one_each(h_w) && within(h_w, momentum_); }
 
   bool possible(const Reference<S>& r) const noexcept {
-    const bool body = unit(r.q_NR) && rate_possible(r.omega_RN_R) && within(r.omegadot_RN_R, acceleration_);
+    const bool body = unit(r.q_NR) && rate_possible(r.omega_RN_R) && within(r.omegadot_RN_R, rate_ / dt_);
     return body && (on_body() || (within(r.euler.angles, S(1e6)) && rate_possible(r.euler.rates) &&
-                                  within(r.euler_accelerations, acceleration_)));
+                                  within(r.euler_accelerations, rate_ / dt_)));
   }
   /// An infinite effectiveness_bound means "never excited" and is possible; NaN is not.
   bool possible(const Estimate<S>& x) const noexcept {
     return unit(x.q_NB) && rate_possible(x.omega_BN_B) && momentum_possible(x.h_w) && one_each(x.effectiveness) &&
            within(x.effectiveness, S(1000)) && one_each(x.effectiveness_bound) &&
-           (x.effectiveness_bound.array() >= S(0)).all() && within(x.d_B, S(1000) * torque_) &&
+           (x.effectiveness_bound.array() >= S(0)).all() && within(x.d_B, d_B_) &&
            (on_body() || within(x.euler.angles, S(1e6)));
   }
   bool possible(const Detection<S>& det) const noexcept { return none_or_one_each(det.u_probe); }
@@ -82,14 +88,32 @@ class Guard {
     return one_each(a.u) && a.u.allFinite() && a.achieved_B.allFinite();
   }
 
-  /// Whether no motion leads from one sample to the next: one of the two is wrong, and the interval teaches nothing.
-  bool jumps(const Measurement<S>& from, const Measurement<S>& to) const noexcept {
-    if (!within<Vec3<S>>(to.omega_BN_B - from.omega_BN_B, dt_ * acceleration_)) return true;
-    if (!within<VecN<S>>(to.h_w - from.h_w, dt_ * S(100) * torque_)) return true;
+  /// Whether an issued command may be issued again, and learned from.
+  bool sane(const VecN<S>& u) const noexcept { return within(u, command_); }
+
+  /// Whether no motion leads from one sample to the next: one of the two is wrong.
+  /// @param u  what was issued in between
+  bool jumps(const Measurement<S>& from, const Measurement<S>& to, const VecN<S>& u) const noexcept {
+    return rates_jump(from, to, u) || attitude_jumps(from, to);
+  }
+
+  /// Of rate and wheel momentum: the interval teaches nothing.
+  bool rates_jump(const Measurement<S>& from, const Measurement<S>& to, const VecN<S>& u) const noexcept {
+    const Vec3<S> rate = to.omega_BN_B - from.omega_BN_B;
+    const VecN<S> momentum = to.h_w - from.h_w;
+    if (within(rate, dt_ * acceleration_) && within(momentum, dt_ * S(100) * torque_)) return false;  // as a rule
+    S pushed = S(0);
+    for (int i = 0; i < vehicle_.actuators(); ++i) pushed += S(2) * vehicle_.D_B.col(i).norm() * std::abs(u[i]);
+    const S turned = from.omega_BN_B.squaredNorm(), most = u.template lpNorm<Eigen::Infinity>();
+    return !within(rate, dt_ * (acceleration_ + pushed / least_ + S(2) * turned)) ||
+           !within(momentum, dt_ * (S(100) * torque_ + S(2) * most));
+  }
+
+  bool attitude_jumps(const Measurement<S>& from, const Measurement<S>& to) const noexcept {
     const S cosine = to.q_NB.dot(from.q_NB);
     const S squared_sine = S(1) - cosine * cosine / (to.q_NB.squaredNorm() * from.q_NB.squaredNorm());
-    if (squared_sine <= S(0.01)) return false;  // the usual case; 0.01 is 0.2 rad
-    const S half = S(0.1) + dt_ * std::max(to.omega_BN_B.norm(), from.omega_BN_B.norm());
+    if (squared_sine <= S(0.01)) return false;  // 0.2 rad
+    const S half = S(0.1) + dt_ * from.omega_BN_B.norm();
     return half < S(1.5) && squared_sine > std::sin(half) * std::sin(half);
   }
 
@@ -143,19 +167,15 @@ class Guard {
     return rate_possible(next) ? next : before.omega_BN_B;
   }
 
-  void limit_command(int i, S box) noexcept {
-    S &lo = vehicle_.u_lo[i], &up = vehicle_.u_up[i];
-    if (up > box) up = std::max(box, lo);
-    if (lo < -box) lo = std::min(-box, up);
-  }
-
   Vehicle<S> vehicle_;
   S dt_;
+  S least_;         ///< kg m^2, smallest inertia
   S torque_;        ///< N m, T
-  S rate_;          ///< rad/s
   S acceleration_;  ///< rad/s^2
+  S rate_;          ///< rad/s
   S momentum_;      ///< N m s
-  S demand_;        ///< N m
+  S demand_, d_B_;  ///< N m
+  S command_;       ///< N m
 };
 
 }  // namespace gyrostat

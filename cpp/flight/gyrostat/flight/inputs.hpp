@@ -59,7 +59,7 @@ class Inputs {
     judge(guard, in);
     if (in.tick == y_.tick && in.tick != 0) replace_all();
     const std::uint32_t event = y_.event;
-    if (replaced_.measurement() || guard.jumps(y_, in)) {
+    if (replaced_.measurement() || guard.jumps(y_, in, u)) {
       y_ = completed(guard, in, x, u);
     } else {
       doubts_ = 0;
@@ -74,11 +74,16 @@ class Inputs {
                            const VecN<S>& u) noexcept {
     constexpr int patience = 10;  // samples
     const Measurement<S> y = carried_on(guard, in, x, u);
-    const bool jumps = guard.jumps(y_, y);
-    const bool borne_out = jumps && doubts_ > 0 && !guard.jumps(doubted_, y);
-    jumped_ = borne_out || (jumps && doubts_ == patience);
-    if (!jumps || borne_out) doubts_ = 0;
-    if (!jumps || jumped_) return y;
+    const bool jumps = guard.jumps(y_, y, u);
+    if (jumps && doubts_ == patience) {
+      jumped_ = guard.rates_jump(y_, y, u);
+      return y;
+    }
+    jumped_ = jumps && doubts_ > 0 && !guard.jumps(doubted_, y, u);
+    if (!jumps || jumped_) {
+      doubts_ = 0;
+      return y;
+    }
     ++doubts_;
     doubted_ = y;
     replace_all();

@@ -72,7 +72,7 @@ class FlightStack {
       hold = actions_.allocator = true;
     }
     if (hold) {
-      const VecN<Scalar> previous = last_.u;
+      const VecN<Scalar> previous = guard().sane(last_.u) ? last_.u : idle().u;
       next = Allocation<Scalar>::idle(vehicle().actuators());
       next.u = previous;
       next.demand_B = demand_.tau_B;

@@ -90,7 +90,7 @@ class PreassignedTimeSlidingMode {
     const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     plan(now, free_acceleration(now, x, ref), params_.T);
-    event_ = ref.event + x.event;
+    event_ = event(x, ref);
     tumbling_ = false;
     return demand(now, x, ref);
   }
@@ -101,11 +101,11 @@ class PreassignedTimeSlidingMode {
     const Reference<S> ref = in_angles(given);
     const Error now = error(x, ref);
     if (tumbles(now, x, last)) {
-      event_ = ~(ref.event + x.event);  // plan when it is over
+      event_ = ~event(x, ref);  // plan when it is over
       return damping(now, x);
     }
-    if (ref.event + x.event != event_) {  // a new target, or the state has jumped: all of T again
-      event_ = ref.event + x.event;
+    if (event(x, ref) != event_) {  // a new target, or the state is elsewhere: all of T again
+      event_ = event(x, ref);
       plan(now, free_acceleration(now, x, ref), params_.T);
     } else if (params_.stretch > S(0) && falls_short(last)) {  // after T too: a fault may come at any time
       plan(now, achieved_acceleration(now, x, ref, last), left() + params_.stretch * dt_);
@@ -126,6 +126,11 @@ class PreassignedTimeSlidingMode {
     Vec3<S> z, zd;
     bool singular = false;
   };
+
+  /// Changes where a new path is wanted. A kept T is kept whatever happens to the state.
+  std::uint32_t event(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
+    return params_.stretch > S(0) ? ref.event + x.event : ref.event;
+  }
 
   /// An actuator at its limit is no reason as long as the others make up for it, nor is rounding about zero.
   bool falls_short(const Allocation<S>& last) const noexcept {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  Attitude error kept inside a funnel that is drawn again at every jump of the reference and every detected fault.
+/// @file  Attitude error kept inside a funnel that is drawn again at every jump of reference or state and every detected fault.
 ///
 ///   s = w_e + b1 eps + b2 sig^r(eps),   eps = ln((1 + z) / (1 - z)),   tau_B as in controllers/sliding_tracking.hpp
 ///   t_f = max(tf_min, max_i sqrt(4 kappa |angle_i| J_ii / torque_i))     at each arm
@@ -102,7 +102,7 @@ class PrescribedPerformance {
     arms_ = breaches_ = 0;
     outside_ = false;
     lowest_margin_ = S(1);
-    reference_event_ = ref.event + x.event;
+    jump_event_ = ref.event + x.event;
     fault_event_ = det.event;
     side_ = short_side(x, ref);
     arm(x, sliding_error(x, ref, side_));
@@ -112,8 +112,8 @@ class PrescribedPerformance {
   [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref,
                                const Allocation<S>&) noexcept {
     ++since_arm_;
-    const bool jumped = ref.event + x.event != reference_event_, failed = det.event != fault_event_;
-    reference_event_ = ref.event + x.event;
+    const bool jumped = ref.event + x.event != jump_event_, failed = det.event != fault_event_;
+    jump_event_ = ref.event + x.event;
     fault_event_ = det.event;
     if (params_.arming == Arming::adaptive && (jumped || failed)) {
       if (jumped) side_ = short_side(x, ref);  // between jumps a flip would throw the error out of its funnel
@@ -197,7 +197,7 @@ class PrescribedPerformance {
   Funnel<S> funnel_[3];
   Tick since_arm_ = 0;
   S side_ = S(1);
-  std::uint32_t reference_event_ = 0, fault_event_ = 0, arms_ = 0, breaches_ = 0;
+  std::uint32_t jump_event_ = 0, fault_event_ = 0, arms_ = 0, breaches_ = 0;
   bool outside_ = false;
   S margin_ = S(1), lowest_margin_ = S(1);
   Vec3<S> s_ = Vec3<S>::Zero(), qv_ = Vec3<S>::Zero(), z_ = Vec3<S>::Zero();
