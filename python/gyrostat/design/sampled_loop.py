@@ -176,12 +176,15 @@ def left_by_faults(scenario: Scenario, most: int = 3) -> Array:
     D = np.asarray(scenario.vehicle.D_B, dtype=float)
     if not scenario.faults:
         return np.empty((0, D.shape[1]))
-    flown = faults_alone(scenario, ["truth.effectiveness"])["truth.effectiveness"]
-    rows = np.unique(np.round(flown, 3), axis=0)  # faults that drift leave many states, and one loop
+    rows = np.unique(faults_alone(scenario, ["truth.effectiveness"])["truth.effectiveness"], axis=0)
     rows = rows[(rows != 1.0).any(axis=1)]
     least = np.array([effectiveness_range(D, row[None])[0] for row in rows])
-    kept = np.flatnonzero(least > 1e-2)
-    return np.asarray(rows[kept[np.argsort(least[kept], kind="stable")][:most]])
+    chosen: list[Array] = []
+    for i in np.argsort(least, kind="stable"):
+        alike = any(np.abs(rows[i] - row).max() < 0.01 for row in chosen)  # a fault that varies leaves many states
+        if least[i] > 1e-2 and not alike and len(chosen) < most:
+            chosen.append(rows[i])
+    return np.array(chosen).reshape(-1, D.shape[1])
 
 
 def closes_a_loop(scenario: Scenario) -> bool:
