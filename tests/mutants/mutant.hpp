@@ -31,7 +31,7 @@ class Switchboard {
 
  private:
   int active_ = -1;
-  std::array<bool, 4096> reached_{};
+  std::array<bool, 100 * 100> reached_{};  // a hundred headers, a hundred mutants each
 };
 inline Switchboard switchboard;
 

@@ -357,6 +357,7 @@ struct WrittenOut {
   Vec3<double> what = Vec3<double>::Zero(), error = Vec3<double>::Zero(), injection = Vec3<double>::Zero();
   VecN<double> h_w, e = VecN<double>::Ones(4);
   Eigen::Matrix4d P = Eigen::Matrix4d::Identity();
+  int doubts = 0;  ///< that left some actuator known
 
   void start(const Measurement<double>& y) {
     what = y.omega_BN_B;
@@ -389,6 +390,7 @@ struct WrittenOut {
       const Eigen::Matrix3d spread = V * P * V.transpose();
       for (int axis = 0; axis < 3; ++axis) {
         if (r[axis] * r[axis] <= 9 * (spread(axis, axis) + p.torque_error * p.torque_error)) continue;
+        doubts += V.row(axis).cwiseAbs().minCoeff() <= 0.5 * V.row(axis).cwiseAbs().maxCoeff() ? 1 : 0;
         for (int i = 0; i < 4; ++i) {
           if (std::abs(V(axis, i)) <= 0.5 * V.row(axis).cwiseAbs().maxCoeff()) continue;
           P.row(i).setZero();
@@ -453,6 +455,7 @@ TEST(LearningEffectivenessDouble, IsTheEquationsOfItsPageBoundIncluded) {
     }
   }
   EXPECT_GT(known, 500);
+  EXPECT_GT(written.doubts, 20);
   EXPECT_GT(weakest, 50) << "both ends of the projection are reached";
   EXPECT_GT(held, 50);
 }

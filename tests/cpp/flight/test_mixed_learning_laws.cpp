@@ -268,5 +268,29 @@ TEST(MixedLearningTerminal, RefusesACoreThatIsFasterThanThePeriod) {
   EXPECT_TRUE(MixedLearningTerminalSlidingMode<double>::check(setup, p).ok());
 }
 
+TYPED_TEST(SlidingLaws, SwitchInTheirLayer) {
+  using S = typename TypeParam::Scalar;
+  const Setup<S> setup = ftc_4rw<S>();
+  Random random(11);
+  for (const S width : {S(0), S(0.2)}) {
+    auto p = TypeParam::Params::defaults(setup);
+    p.width = width;
+    p.k_sgn = S(0);
+    TypeParam without(setup, p);
+    p.k_sgn = S(0.5);
+    TypeParam with(setup, p);
+    for (int k = 0; k < 20; ++k) {
+      const Estimate<S> x = some_estimate<S>(random);
+      const Vec3<S> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;
+      const std::vector<double> s = telemetry_of(with).at("s");
+      for (int i = 0; i < 3; ++i) {
+        const double value = s[static_cast<std::size_t>(i)];
+        const double shape = width > S(0) ? std::clamp(value / 0.2, -1.0, 1.0) : (value > 0 ? 1 : -1);
+        EXPECT_NEAR(static_cast<double>(difference[i]), 0.5 * shape, sizeof(S) == 8 ? 1e-13 : 1e-5);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gyrostat::test
