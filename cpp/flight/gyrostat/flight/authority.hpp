@@ -35,10 +35,10 @@ S torque_authority(const Vehicle<S>& vehicle) noexcept {
     for (int j = i + 1; j < n; ++j) {
       if (vehicle.spare.test(i) || vehicle.spare.test(j)) continue;
       const Vec3<S> a = vehicle.D_B.col(i), b = vehicle.D_B.col(j);
-      const Vec3<S> normal = a.cross(b);
-      if (normal.norm() <= S(1e-3) * a.norm() * b.norm()) continue;  // parallel axes span no face
-      const Vec3<S> n = normal.normalized();
-      radius = std::min({radius, torque_along<S>(vehicle, n), torque_along<S>(vehicle, Vec3<S>(-n))});
+      const Vec3<S> across = a.cross(b);
+      if (across.norm() <= S(1e-3) * a.norm() * b.norm()) continue;  // parallel axes span no face
+      const Vec3<S> normal = across.normalized();
+      radius = std::min({radius, torque_along<S>(vehicle, normal), torque_along<S>(vehicle, Vec3<S>(-normal))});
       spans = true;
     }
   }
