@@ -25,6 +25,7 @@ __all__: list[str] = [
     "check_params",
     "critical_effectiveness",
     "dcm_from_quat",
+    "default_rank_tolerance",
     "describe",
     "energy",
     "euler_from_quat",
@@ -39,6 +40,7 @@ __all__: list[str] = [
     "resolve",
     "rotation_angle",
     "rotation_vector_from_quat",
+    "served_axes",
     "settling_time",
     "simulate",
     "total_variation",
@@ -390,6 +392,7 @@ def allocate(
     residual_weight: typing.SupportsFloat | typing.SupportsIndex,
     margin: typing.SupportsFloat | typing.SupportsIndex,
     effectiveness_min: typing.SupportsFloat | typing.SupportsIndex,
+    rank_tolerance: typing.SupportsFloat | typing.SupportsIndex,
     max_newton: typing.SupportsInt | typing.SupportsIndex,
     warm: bool,
 ) -> dict:
@@ -521,6 +524,14 @@ def rotation_vector_from_quat(
     Rotation vectors (..., 3) in rad, of length at most pi, of quaternions (..., 4).
     """
 
+def served_axes(
+    A: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    rank_tolerance: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Projector (3, 3) onto the axes of torque that allocators serve with A = D diag(effectiveness), (3, actuators).
+    """
+
 def settling_time(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
@@ -604,3 +615,4 @@ def window_upper(
     """
 
 __version__: str = "0.1.0"
+default_rank_tolerance: float = 0.01
