@@ -57,14 +57,14 @@ class Solutions:
     saturated
         (..., n) commands that sit on a limit, and are not at rest (zero).
     status
-        (...) ``optimal``, ``optimal_reduced`` (the demand is not delivered in full), ``cap_reached`` (not proven optimal to
-        the bounds of docs/allocation.md, see `gap`) or ``bad_input`` (not a problem: the previous command of the batch clipped,
-        or zero).
+        (...) ``optimal``, ``optimal_reduced`` (the demand is not delivered in full), ``cap_reached`` (not proven to
+        the bounds of docs/allocation.md, see `gap`) or ``bad_input`` (not a problem: the previous command of the
+        batch clipped, or zero).
     warnings
         (...) bits: 1 effectiveness above 1 clamped, 2 weights capped, 4 demand clamped, 8 direction lost.
     rank
-        (...) axes of torque that are served, of m; where some are dropped, the certificate is that of the problem on the others,
-        while `achieved` and `residual` are those of all axes.
+        (...) axes of torque that are served, of m; where some are dropped, the certificate is that of the problem on
+        the others, while `achieved` and `residual` are those of all axes.
     newton, outer
         (...) Newton steps in all, and rounds around them.
     seconds
@@ -146,9 +146,9 @@ def solve(
     effectiveness_min
         Default 1e-3.
     rank_tolerance
-        As of the allocators that fly: an axis of torque with a smaller singular value of ``D diag(effectiveness)``, relative to
-        the largest, is dropped, and the demand along it ignored (`Solutions.rank`); 0 keeps every axis. Problems of three rows:
-        the six of torques and forces have no common measure.
+        As of the allocators that fly: an axis of torque with a smaller singular value of ``D diag(effectiveness)``,
+        relative to the largest, is dropped, and the demand along it ignored (`Solutions.rank`); 0 keeps every axis.
+        Problems of three rows: the six of torques and forces have no common measure.
     max_newton
         Limit of all Newton steps of one problem together.
     warm
@@ -330,8 +330,8 @@ def attainable_set(
     effectiveness
         (n,) or number, delivered / commanded.
     rank_tolerance
-        As of the allocators: an axis of torque with a smaller singular value of ``D diag(effectiveness)``, relative to the
-        largest, is dropped, and the set is flat; 0 keeps every axis.
+        As of the allocators: an axis of torque with a smaller singular value of ``D diag(effectiveness)``, relative to
+        the largest, is dropped, and the set is flat; 0 keeps every axis.
 
     Raises
     ------
@@ -356,7 +356,8 @@ def attainable_set(
 def served_axes(A: ArrayLike, rank_tolerance: float = DEFAULT_RANK_TOLERANCE) -> Floats:
     """Projector (3, 3) onto the axes of torque that allocators serve with the effective geometry `A` (3, n).
 
-    An axis with a singular value of `A` below `rank_tolerance` times the largest may be nothing but misalignment: it is dropped.
+    An axis with a singular value of `A` below `rank_tolerance` times the largest may be nothing but misalignment: it is
+    dropped.
     """
     axes = np.asarray(A, float)
     if axes.ndim != 2 or axes.shape[0] != 3:

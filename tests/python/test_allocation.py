@@ -28,7 +28,7 @@ MODES = ("lexicographic", "lexicographic_scaled", "weighted_least_squares", "rob
 
 
 def problem(seed: int, rows: int, n: int) -> dict[str, Any]:
-    """Half of the demands can be had; some actuators are dead."""
+    """Half of the demands can be had; some actuators are dead. As posed: weak axes are not dropped."""
     rng = np.random.default_rng(seed)
     D = rng.normal(size=(rows, n))
     D /= np.linalg.norm(D, axis=0)
@@ -44,6 +44,7 @@ def problem(seed: int, rows: int, n: int) -> dict[str, Any]:
         "preferred": rng.uniform(-0.1, 0.1, n) * rng.integers(0, 2),
         "effort_weight": np.exp(rng.uniform(-1, 1, n)),
         "bound": rng.uniform(0, 0.3, n),
+        "rank_tolerance": 0.0,
     }
 
 
@@ -119,7 +120,7 @@ def test_robust_objective_is_within_its_proof(p: dict[str, Any], log_weight: flo
     h = 10**log_weight
     s = allocation.solve(**p, mode="robust_socp", residual_weight=h)
     A = p["D"] * p["effectiveness"]
-    s_max = np.linalg.norm(p["D"], 2)
+    s_max = np.linalg.norm(p["D"] * (p["effectiveness"] > 0), 2)  # what cannot act adds no error
     g = p["bound"] * p["effectiveness"]
     worst = np.linalg.norm(p["demand"] - A @ s.command) + s_max * np.linalg.norm(g * s.command)
     assert s.worst_case == pytest.approx(worst, rel=1e-10)
@@ -203,6 +204,85 @@ def test_what_cannot_be_a_problem_is_reported_not_raised() -> None:
     s = allocation.solve(PYRAMID, demand, 0.2, warm=True)
     assert list(s.status) == ["optimal", "bad_input", "optimal"]
     np.testing.assert_array_equal(s.command[1], s.command[0])  # the previous one
+
+
+@pytest.mark.parametrize("warm", [False, True])
+@pytest.mark.parametrize("rows", [3, 6])
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_bad_geometry_is_one_bad_problem(mode: allocation.Mode, rows: int, warm: bool, bad: float) -> None:
+    rng = np.random.default_rng(8)
+    D = rng.normal(size=(4, rows, 8))
+    demand = np.einsum("krn,n->kr", D, np.full(8, 0.02))
+    D[1, 2, 3] = D[3, 0, 0] = bad
+    s = allocation.solve(D, demand, 0.2, bound=0.1, mode=mode, warm=warm)
+    assert [str(x) for x in s.status[[1, 3]]] == ["bad_input"] * 2
+    assert "bad_input" not in s.status[[0, 2]]
+    np.testing.assert_array_equal(s.command[1], s.command[0] if warm else 0.0)  # the previous one, or zero
+    alone = allocation.solve(D[0], demand[0], 0.2, bound=0.1, mode=mode)
+    np.testing.assert_array_equal(s.command[0], alone.command)
+    if not warm:
+        again = allocation.solve(D[2], demand[2], 0.2, bound=0.1, mode=mode)
+        np.testing.assert_array_equal(s.command[2], again.command)
+
+
+def test_a_bad_geometry_for_all_is_reported_for_all() -> None:
+    s = allocation.solve(np.full((3, 4), np.nan), np.zeros((5, 3)), 0.2)
+    assert set(s.status) == {"bad_input"}
+    assert not s.command.any()
+
+
+@pytest.mark.parametrize("worst_case", ["bound", "exact"])
+def test_actuators_that_cannot_act_add_no_uncertainty_however_they_are_off(worst_case: allocation.WorstCase) -> None:
+    rng = np.random.default_rng(12)
+    for _ in range(50):
+        D, demand, bound = rng.normal(size=(3, 6)), rng.normal(size=3) * 0.3, rng.uniform(0.05, 0.3, 6)
+        off = np.arange(6) == rng.integers(6)
+        common: dict[str, Any] = {
+            "bound": bound,
+            "mode": "robust_socp",
+            "worst_case": worst_case,
+            "residual_weight": 1e3,
+        }
+        closed = allocation.solve(D, demand, np.where(off, 0.0, 0.2), **common)
+        dead = allocation.solve(D, demand, 0.2, effectiveness=np.where(off, 0.0, 1.0), **common)
+        failing = allocation.solve(D, demand, 0.2, effectiveness=np.where(off, 1e-4, 1.0), **common)
+        absent = allocation.solve(D * ~off, demand, 0.2, **common)
+        for s in (closed, dead, failing):
+            np.testing.assert_allclose(s.command, absent.command, rtol=0, atol=1e-9)
+            assert s.worst_case == pytest.approx(absent.worst_case, rel=1e-9)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_the_demand_along_a_weak_axis_is_ignored_and_the_rank_says_so(mode: allocation.Mode) -> None:
+    weak = np.array([[1, -1, 1, -1], [1, 1, -1, -1], [1, -1, -1, 1]]) / 2 * np.array([[1], [1], [2e-3]])
+    demand = np.array([[0.05, -0.03, 0.0], [0.05, -0.03, 0.02]])
+    s = allocation.solve(weak, demand, 0.2, mode=mode)
+    np.testing.assert_array_equal(s.rank, 2)
+    np.testing.assert_allclose(s.command[1], s.command[0], rtol=0, atol=1e-9)
+    assert s.status[1] == "optimal_reduced"
+    np.testing.assert_allclose(s.residual[1], demand[1] - weak @ s.command[1], rtol=0, atol=1e-15)
+    assert s.residual[1][2] == pytest.approx(0.02, abs=1e-6)
+    served = allocation.solve(weak, [0.0, 0.0, 1e-4], 0.2, mode="lexicographic", rank_tolerance=1e-3)
+    assert (served.rank, served.status) == (3, "optimal")
+
+
+def test_the_attainable_set_has_the_axes_that_allocators_serve() -> None:
+    weak = PYRAMID * np.array([[1], [1], [5e-3]])
+    reach = allocation.attainable_set(weak, 0.2)
+    assert reach.in_every_direction == pytest.approx(0.0, abs=1e-15)
+    assert reach.radius([0, 0, 1]) == pytest.approx(0.0, abs=1e-15)
+    whole = allocation.attainable_set(weak, 0.2, rank_tolerance=1e-3)
+    assert whole.in_every_direction == pytest.approx(2e-3 / np.sqrt(0.75), rel=1e-2)  # 4 x 0.2 x 5e-3 / sqrt 3
+    assert reach.radius([1, 0, 0]) == pytest.approx(whole.radius([1, 0, 0]), rel=1e-12)
+    rng = np.random.default_rng(2)
+    for _ in range(20):  # what the set says, every mode delivers
+        n = int(rng.integers(3, 9))
+        D = rng.normal(size=(3, n)) * np.array([[1], [1], [10 ** rng.uniform(-4, -1)]])
+        v = rng.normal(size=3)
+        edge = allocation.attainable_set(D, 0.2).radius(v)
+        s = allocation.solve(D, 0.999 * edge * v / np.linalg.norm(v), 0.2)
+        assert s.status == "optimal"
 
 
 @pytest.mark.parametrize(
@@ -393,6 +473,44 @@ def test_the_figure_shows_what_the_modes_do() -> None:
     with np.load(script.with_suffix(".npz")) as saved:
         for signal, values in drawn.items():
             np.testing.assert_allclose(saved[signal], values, rtol=0, atol=1e-9, err_msg=signal)
+
+
+def nearly_coplanar(third: float, allocator: str) -> gs.Scenario:
+    """Wheels whose third axis is `third` of the others, an error about every axis, 10 Hz."""
+    return gs.Scenario(
+        vehicle=gs.vehicle.Vehicle(
+            J_B=np.diag([20.0, 17.0, 15.0]).tolist(),
+            D_B=(np.array([[1, -1, 1, -1], [1, 1, -1, -1], [1, -1, -1, 1]]) / 2 * [[1], [1], [third]]).tolist(),
+            u_max=0.2,
+        ),
+        initial=gs.Initial(mrp=(0.05, -0.04, 0.02)),
+        allocator=gs.allocator(allocator),
+        integrator="rk4",
+        duration=120.0,
+        dt=0.1,
+    )
+
+
+@pytest.mark.parametrize("allocator", ["pseudo_inverse", *MODES])
+def test_no_allocator_works_at_its_limits_for_an_axis_that_it_hardly_moves(allocator: str) -> None:
+    flown = nearly_coplanar(2e-3, allocator).run()
+    late = flown.t > 60.0
+    assert np.abs(flown["allocation.u"][late]).max() < 1e-3  # of 0.2 N m: the two axes that are served are at rest
+    assert np.all(flown["allocation.status"][late].astype(int) & 64)
+    assert np.abs(flown["truth.mrp"][late, :2]).max() < 2e-3
+    served = nearly_coplanar(0.1, allocator).run()
+    assert not np.any(served["allocation.status"].astype(int) & 64)
+    assert np.abs(served["truth.mrp"][-1]).max() < 1e-3
+
+
+def test_check_says_that_an_axis_is_too_weak_to_be_served() -> None:
+    (found,) = torque_findings(nearly_coplanar(5e-3, "lexicographic"))
+    assert found.ok is False
+    assert found.value == pytest.approx(0.0, abs=1e-12)
+    assert "below rank_tolerance = 0.01 of the strongest and not served" in found.text
+    (served,) = torque_findings(nearly_coplanar(5e-3, "lexicographic").replace(**{"allocator.rank_tolerance": 1e-3}))
+    assert served.ok
+    assert served.value == pytest.approx(4 * 0.2 * 5e-3 / 2, rel=1e-2)
 
 
 def test_stuck_actuators_move_the_set() -> None:

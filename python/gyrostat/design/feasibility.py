@@ -20,8 +20,8 @@ def attainable_after_faults(scenario: Scenario) -> tuple[AttainableSet, Attainab
     """What a scenario's vehicle can do while healthy, and when its faults leave it least.
 
     Limits are the truth's. Spare actuators count when the scenario has a detector that could enable them; what a faulty
-    actuator delivers by itself (bias, stuck output) moves the set. An axis that the scenario's allocator drops as too weak (its
-    `rank_tolerance`), the effectiveness known, has no torque.
+    actuator delivers by itself (bias, stuck output) moves the set. An axis that the scenario's allocator drops as too
+    weak (its `rank_tolerance`), the effectiveness known, has no torque.
 
     Returns
     -------
@@ -116,9 +116,7 @@ def torque_findings(
     sets = attainable_after_faults(scenario)
     if sets is None:
         D, lo, up = _actuators(scenario)
-        bounded = attainable_set(
-            D, np.clip(up, 0, 1), np.clip(lo, -1, 0), rank_tolerance=_rank_tolerance(scenario)
-        )
+        bounded = attainable_set(D, np.clip(up, 0, 1), np.clip(lo, -1, 0), rank_tolerance=_rank_tolerance(scenario))
         if bounded.in_every_direction > 1e-12:
             return []
         text = f"no torque in some direction, whatever the limits: {_why(scenario, bounded)}"
