@@ -233,7 +233,7 @@ LONG = gs.Vehicle(J_B=(8e3, 9e3, 3e3), D_B=np.hstack([np.eye(3)] * 2).tolist(), 
 # One of four wheels dead leaves a quarter of some torque; 1.5 is an inertia that is a third smaller.
 SAMPLED = {
     "2 Hz": (gs.vehicle.ftc_4rw(), 0.5, (0.25, 1.0, 1.5), regulating()),
-    "5 Hz, long": (LONG, 0.2, (0.25, 1.5), regulating()),
+    "5 Hz, long": (LONG, 0.2, (0.3, 1.5), regulating()),
     "10 Hz, tiny": (TINY, 0.1, (0.2, 1.5), regulating()),
     "1 kHz": (gs.vehicle.ftc_4rw(), 1e-3, (0.25,), ["integral_sliding_mode"]),
 }

@@ -47,15 +47,14 @@ class FiniteTimeDisturbanceObserver {
     }
 
     /// Gains of the homogeneous error dynamics with time scale T, 10 periods or `observer_periods`, and rate scale a T, where a
-    /// is the acceleration at hand: a step of all of it is found within a few T on every vehicle. The ratio 0.3, half the
-    /// published one, bears an effectiveness down to 0.125 (compensation_margin.hpp).
+    /// is the acceleration at hand: a step of all of it is found within a few T on every vehicle.
     static Params defaults(const Setup<S>& setup) noexcept {
       Params p;
       const S alpha2 = S(2) * p.alpha1 - S(1);
       const S T = observer_periods(setup, S(10)) * setup.dt;
       const S rate = usable_acceleration(setup.vehicle) * T;
       p.lambda1 = std::pow(rate, S(1) - p.alpha1) / T;
-      p.lambda2 = S(0.3) * std::pow(rate, S(1) - alpha2) / (T * T);
+      p.lambda2 = S(0.6) * std::pow(rate, S(1) - alpha2) / (T * T);
       return p;
     }
   };
