@@ -35,7 +35,7 @@ int main(void) {
   static wheels_reference ref = {{1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0};
   wheels_command first, second;
   wheels_state state;
-  int offset;
+  int offset, i;
   expect(wheels_init(NULL) != 0, "null memory is refused");
   for (offset = 0; offset < 17; ++offset) { /* any alignment */
     unsigned char *one = blocks[0] + offset, *two = blocks[1] + 3 * offset % 17;
@@ -53,7 +53,8 @@ int main(void) {
   y.q_NB[1] = NAN;
   y.tick = 1;
   expect(wheels_step(blocks[0] + 16, &y, &ref, &second) == 0 && (second.status & 1) != 0, "a NaN is held and flagged");
-  expect(memcmp(first.u, second.u, sizeof first.u) == 0, "and the command stays");
+  for (i = 0; i < 4; ++i)
+    expect(fabsf(second.u[i] - first.u[i]) < 0.1f * 0.2f, "and the stack flies on: the command moves little");
   expect(wheels_status(blocks[0] + 16, &state) == 0 && state.enabled == 15, "four actuators may be used");
   printf("C facade: %d failures\n", failures);
   return failures == 0 ? 0 : 1;

@@ -82,6 +82,10 @@ TYPED_TEST(Embedded, CommandsStayInsideTheirLimitsWhateverComesIn) {
                       S(0),
                       S(1e6)};
   const gyrostat::Setup<S> setup = ftc_4rw<S>();
+  // Four equal numbers of any size here are no quaternion; a rate or momentum of 1e6 is beyond any motion of this vehicle.
+  const auto impossible = [](int field, S spoil) {
+    return field == 1 || field == 5 || !(std::abs(spoil) < (field == 4 ? S(1e7) : S(1e6)));
+  };
   int stacks = 0;
   for_every_component<S>(setup, [&](auto stack) {
     Tick k = 0;
@@ -101,7 +105,7 @@ TYPED_TEST(Embedded, CommandsStayInsideTheirLimitsWhateverComesIn) {
         if (field == 4) ref.omegadot_RN_R[2] = spoil;
         if (field == 5) ref.q_NR.coeffs().setConstant(spoil);
         EXPECT_TRUE(inside(y, ref)) << "field " << field << " = " << spoil;
-        EXPECT_EQ(stack.last().status.has(Flag::input_held), !std::isfinite(spoil)) << field << ", " << spoil;
+        EXPECT_EQ(stack.last().status.has(Flag::input_held), impossible(field, spoil)) << field << ", " << spoil;
         // A number that is huge and finite goes in; what it left behind is restarted within three samples, and stays so.
         int calm = 0;
         for (int n = 0; n < 6 && calm < 3; ++n) {

@@ -594,7 +594,7 @@ TEST(GuardClips, AVehicleWithoutLimitsHasItsOwn) {
     setup.vehicle.u_lo[1] = 0;  // one-sided
     setup.vehicle.u_up[2] = 0.2 * scale;
     setup.vehicle.u_lo[2] = -0.1 * scale;
-    const Vehicle<double> limited = Guard<double>(setup).vehicle();
+    const Vehicle<double> limited = gyrostat::Guard<double>(setup).vehicle();
     const double J = largest_inertia(setup.vehicle.J_B);
     EXPECT_NEAR(limited.u_up[0], J / 1e-4, 1e-9 * J / 1e-4);  // a radian within a sample
     EXPECT_EQ(limited.u_lo[0], -limited.u_up[0]);

@@ -260,30 +260,24 @@ TEST(StackTells, OfAClippedCommandItsTorqueAndWhichActuatorsEachWay) {
 // ---- what is looked at -------------------------------------------------------------------------------------------
 
 TEST(GuardLooksAt, EveryNumberOfEverySignal) {
+  const gyrostat::Guard<double> guard(ftc_4rw<double>());
+  const Measurement<double> y = wobble<double>(0, 4);
   for (const double bad : {nan, infinity, -infinity}) {
     const auto expect = [&](auto good, auto... numbers) {
-      EXPECT_TRUE(is_finite(good));
+      EXPECT_TRUE(guard.possible(good));
       (..., [&] {
         auto spoilt_signal = good;
         numbers(spoilt_signal) = bad;
-        EXPECT_FALSE(is_finite(spoilt_signal)) << "number " << sizeof...(numbers) << ", " << bad;
+        EXPECT_FALSE(guard.possible(spoilt_signal)) << "of " << sizeof...(numbers) << " numbers, " << bad;
       }());
     };
-    const Measurement<double> y = wobble<double>(0, 4);
-    expect(
-        y, [](auto& m) -> double& { return m.q_NB.z(); }, [](auto& m) -> double& { return m.omega_BN_B[2]; },
-        [](auto& m) -> double& { return m.h_w[3]; }, [](auto& m) -> double& { return m.euler.angles[1]; },
-        [](auto& m) -> double& { return m.euler.rates[2]; });
     expect(
         Reference<double>{}, [](auto& r) -> double& { return r.q_NR.w(); },
-        [](auto& r) -> double& { return r.omega_RN_R[0]; }, [](auto& r) -> double& { return r.omegadot_RN_R[1]; },
-        [](auto& r) -> double& { return r.euler.angles[2]; }, [](auto& r) -> double& { return r.euler.rates[0]; },
-        [](auto& r) -> double& { return r.euler_accelerations[1]; });
+        [](auto& r) -> double& { return r.omega_RN_R[0]; }, [](auto& r) -> double& { return r.omegadot_RN_R[1]; });
     expect(
         Estimate<double>::healthy(y), [](auto& x) -> double& { return x.q_NB.y(); },
         [](auto& x) -> double& { return x.omega_BN_B[1]; }, [](auto& x) -> double& { return x.h_w[0]; },
-        [](auto& x) -> double& { return x.euler.rates[2]; }, [](auto& x) -> double& { return x.effectiveness[3]; },
-        [](auto& x) -> double& { return x.d_B[2]; });
+        [](auto& x) -> double& { return x.effectiveness[3]; }, [](auto& x) -> double& { return x.d_B[2]; });
     Detection<double> det;
     det.u_probe = VecN<double>::Zero(4);
     expect(det, [](auto& d) -> double& { return d.u_probe[3]; });
@@ -294,11 +288,11 @@ TEST(GuardLooksAt, EveryNumberOfEverySignal) {
         Allocation<double>::idle(4), [](auto& a) -> double& { return a.u[1]; },
         [](auto& a) -> double& { return a.achieved_B[0]; });
   }
-  Estimate<double> x = Estimate<double>::healthy(wobble<double>(0, 4));
+  Estimate<double> x = Estimate<double>::healthy(y);
   x.effectiveness_bound[2] = infinity;
-  EXPECT_TRUE(is_finite(x)) << "never excited";
+  EXPECT_TRUE(guard.possible(x)) << "never excited";
   x.effectiveness_bound[2] = nan;
-  EXPECT_FALSE(is_finite(x));
+  EXPECT_FALSE(guard.possible(x));
 }
 
 }  // namespace

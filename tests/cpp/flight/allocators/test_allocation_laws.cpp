@@ -359,6 +359,7 @@ TEST_P(ThreeRows, ExactEqualsBoundWhereAllDirectionsAreAlike) {
     Posed p = random_problem(random, 3, 4);
     p.D = pyramid();
     p.row_weight.assign(3, 1);
+    for (double& e : p.effectiveness) e = std::max(e, 0.2);  // one that cannot act takes its direction away
     p.mode = AllocationMode::robust_socp;
     p.residual_weight = random.log_uniform(10, 1e4);
     const Outcome bound = cold(p);
