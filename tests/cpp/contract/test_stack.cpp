@@ -49,7 +49,8 @@ TEST(Stack, StartsOnlyOnceBothInputsWereValid) {
   auto stack = flown(), other = stack;
   EXPECT_EQ(stack.step(wobble<double>(0, 4), bad_reference()).u, idle);
   EXPECT_TRUE(stack.last().status.has(Flag::input_held));
-  EXPECT_NE(stack.step(spoilt(1), {}).u, idle) << "the measurement of before is held";
+  EXPECT_EQ(stack.step(spoilt(1), {}).u, idle) << "nothing measured since the first valid reference";
+  EXPECT_NE(stack.step(wobble<double>(2, 4), {}).u, idle);
   EXPECT_EQ(other.step(spoilt(0), {}).u, idle);
   EXPECT_NE(other.step(wobble<double>(1, 4), bad_reference()).u, idle) << "the reference of before is held";
 }

@@ -455,7 +455,6 @@ TEST(LearningEffectivenessDouble, IsTheEquationsOfItsPageBoundIncluded) {
     }
   }
   EXPECT_GT(known, 500);
-  EXPECT_GT(written.doubts, 20);
   EXPECT_GT(weakest, 50) << "both ends of the projection are reached";
   EXPECT_GT(held, 50);
 }

@@ -39,6 +39,7 @@ Table part(const std::string& family, const std::string& name) {
     t.set("delay", 3);
     t.set("quantisation", 1e-5);
   }
+  if (name.ends_with("_dropout")) t.set("t_on", 0.2);  // there is nothing to fly on before a first measurement
   if (name == "slew") {
     t.set("to_euler", row({0.3, 0.2, -0.1}));
     t.set("duration", 0.8);

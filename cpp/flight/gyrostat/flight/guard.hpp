@@ -6,7 +6,8 @@
 /// least 0.04 J rad/s^2, an actuator without limit counting as what defaults count on (stiffness.hpp):
 ///
 ///   quaternion    a tenth off unit length
-///   rate          100 rad a sample;          of the reference too, and its change 100 rad a sample^2
+///   rate          100 rad a sample
+///   reference     1 rad a sample; 1000 T / J, but at least 0.2 rad/s a sample
 ///   momentum      1000 J rad a sample
 ///   demand        1e6 J rad a sample^2
 ///   d_B           1000 T;                    without limits, 1e6 J rad a sample^2
@@ -69,9 +70,10 @@ class Guard {
   bool momentum_possible(const VecN<S>& h_w) const noexcept { return one_each(h_w) && within(h_w, momentum_); }
 
   bool possible(const Reference<S>& r) const noexcept {
-    const bool body = unit(r.q_NR) && rate_possible(r.omega_RN_R) && within(r.omegadot_RN_R, rate_ / dt_);
-    return body && (on_body() || (within(r.euler.angles, S(1e6)) && rate_possible(r.euler.rates) &&
-                                  within(r.euler_accelerations, rate_ / dt_)));
+    const bool body =
+        unit(r.q_NR) && within(r.omega_RN_R, S(0.01) * rate_) && within(r.omegadot_RN_R, S(10) * acceleration_);
+    return body && (on_body() || (within(r.euler.angles, S(1e6)) && within(r.euler.rates, S(0.01) * rate_) &&
+                                  within(r.euler_accelerations, S(10) * acceleration_)));
   }
   /// An infinite effectiveness_bound means "never excited" and is possible; NaN is not.
   bool possible(const Estimate<S>& x) const noexcept {
@@ -104,7 +106,8 @@ class Guard {
     if (within(rate, dt_ * acceleration_) && within(momentum, dt_ * S(100) * torque_)) return false;  // as a rule
     S pushed = S(0);
     for (int i = 0; i < vehicle_.actuators(); ++i) pushed += S(2) * vehicle_.D_B.col(i).norm() * std::abs(u[i]);
-    const S turned = from.omega_BN_B.squaredNorm(), most = u.template lpNorm<Eigen::Infinity>();
+    const S turned = std::min(from.omega_BN_B.squaredNorm(), to.omega_BN_B.squaredNorm());
+    const S most = u.template lpNorm<Eigen::Infinity>();
     return !within(rate, dt_ * (acceleration_ + pushed / least_ + S(2) * turned)) ||
            !within(momentum, dt_ * (S(100) * torque_ + S(2) * most));
   }
@@ -113,7 +116,7 @@ class Guard {
     const S cosine = to.q_NB.dot(from.q_NB);
     const S squared_sine = S(1) - cosine * cosine / (to.q_NB.squaredNorm() * from.q_NB.squaredNorm());
     if (squared_sine <= S(0.01)) return false;  // 0.2 rad
-    const S half = S(0.1) + dt_ * from.omega_BN_B.norm();
+    const S half = S(0.1) + dt_ * std::min(from.omega_BN_B.norm(), to.omega_BN_B.norm());
     return half < S(1.5) && squared_sine > std::sin(half) * std::sin(half);
   }
 
