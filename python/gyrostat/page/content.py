@@ -45,6 +45,7 @@ _channels = (
     "detection.event",
     "demand.tau_B",
     "allocation.u",
+    "allocation.saturated",
 )
 """What a page draws or reads, and with the inner signals all that is usually recorded."""
 
