@@ -409,7 +409,7 @@ def test_a_run_that_ended_early_and_was_recorded_now_and_then_reads_back(tmp_pat
         initial={"omega_BN_B": [1000.0] * 3}, integrator={"type": "rk4"}, dt=1.0
     )
     result = early.run(every=7)
-    assert result.status == "non_finite"
+    assert result.status in {"non_finite", "integration_failed"}
     again = gs.Result.load(result.save(tmp_path / "early"))
     assert (again.status, again.cause, again.end_time) == (result.status, result.cause, result.end_time)
 
