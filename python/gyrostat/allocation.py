@@ -363,7 +363,7 @@ def served_axes(A: ArrayLike, rank_tolerance: float = DEFAULT_RANK_TOLERANCE) ->
     if axes.ndim != 2 or axes.shape[0] != 3:
         raise ValueError(f"A {axes.shape} is not (3, actuators)")
     if axes.shape[1] > 16:
-        axes = np.linalg.qr(axes.T, mode="r").T  # of the same singular values and axes
+        axes = np.asarray(np.linalg.qr(axes.T, mode="r")).T  # of the same singular values and axes
     return np.eye(3) if rank_tolerance <= 0.0 else np.asarray(_core.served_axes(axes, rank_tolerance))
 
 
