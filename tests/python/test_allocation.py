@@ -279,10 +279,10 @@ def test_the_attainable_set_has_the_axes_that_allocators_serve() -> None:
     for _ in range(20):  # what the set says, every mode delivers
         n = int(rng.integers(3, 9))
         D = rng.normal(size=(3, n)) * np.array([[1], [1], [10 ** rng.uniform(-4, -1)]])
-        v = rng.normal(size=3)
+        v = allocation.served_axes(D) @ rng.normal(size=3)
         edge = allocation.attainable_set(D, 0.2).radius(v)
         s = allocation.solve(D, 0.999 * edge * v / np.linalg.norm(v), 0.2)
-        assert s.status == ("optimal" if edge > 1e-9 else "optimal_reduced")  # out of the plane that is left: nothing
+        assert s.status == "optimal"
 
 
 @pytest.mark.parametrize(
@@ -493,12 +493,13 @@ def nearly_coplanar(third: float, allocator: str) -> gs.Scenario:
 
 @pytest.mark.parametrize("allocator", ["pseudo_inverse", *MODES])
 def test_no_allocator_works_at_its_limits_for_an_axis_that_it_hardly_moves(allocator: str) -> None:
-    flown = nearly_coplanar(2e-3, allocator).run(channels=["allocation.*", "error.*", "truth.*"])
+    channels = ["allocation.u", "allocation.status", "truth.mrp"]
+    flown = nearly_coplanar(2e-3, allocator).run(channels=channels)
     late = flown.t > 60.0
     assert np.abs(flown["allocation.u"][late]).max() < 1e-3  # of 0.2 N m: the two axes that are served are at rest
     assert np.all(flown["allocation.status"][late].astype(int) & 64)
     assert np.abs(flown["truth.mrp"][late, :2]).max() < 2e-3
-    served = nearly_coplanar(0.1, allocator).run(channels=["allocation.*", "error.*", "truth.*"])
+    served = nearly_coplanar(0.1, allocator).run(channels=channels)
     assert not np.any(served["allocation.status"].astype(int) & 64)
     assert np.abs(served["truth.mrp"][-1]).max() < 1e-3
 

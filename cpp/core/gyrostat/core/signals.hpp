@@ -53,9 +53,9 @@ enum class Flag : std::uint16_t {
   component_reset = 2,  ///< an output that cannot be: its component was started again
   command_held = 4,     ///< the previous command was issued again
   demand_not_met = 8,   ///< the allocator could not deliver the demanded torque
-  cap_reached = 16,     ///< an iteration limit ended a solve: best so far was used
+  cap_reached = 16,     ///< a solve is not proven optimal (an iteration limit, rounding): best so far was used
   bad_input = 32,       ///< an allocator refused its input
-  rank_lost = 64,       ///< an axis of torque cannot be produced and was dropped
+  rank_lost = 64,       ///< an axis of torque cannot be produced, or is too weak, and was dropped
   singular = 128,       ///< near a singularity of the chart in use
   breach = 256,         ///< a promised bound was left
 };
