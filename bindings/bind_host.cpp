@@ -5,7 +5,10 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "gyrostat/flight/compensation_margin.hpp"
 #include "gyrostat/host/catalogue.hpp"
@@ -159,54 +162,48 @@ host::Series series(const Array& t, const Array& x) {
   return {{t.data(), static_cast<std::size_t>(t.size())}, {x.data(), static_cast<std::size_t>(x.size())}};
 }
 
-void bind_metrics(py::module_& m) {
+/// The numbers that a metric takes: name, and default, which is NaN for one that must be given.
+template <class T>
+constexpr auto numbers_of() {
+  constexpr auto count = [] {
+    T metric{};
+    std::size_t n = 0;
+    T::describe(metric, [&](const double&, const Field&) { ++n; });
+    return n;
+  };
+  std::array<std::pair<const char*, double>, count()> out{};
+  T metric{};
+  std::size_t i = 0;
+  T::describe(metric, [&](const double& x, const Field& f) { out[i++] = {f.name, x}; });
+  return out;
+}
+
+/// A function of time, samples and the numbers that the metric takes.
+template <class T, std::size_t... i>
+void bind_metric(py::module_& m, std::index_sequence<i...>) {
+  static constexpr auto numbers = numbers_of<T>();
+  const auto argument = []<std::size_t k>() {
+    if constexpr (numbers[k].second != numbers[k].second) {
+      return py::arg(numbers[k].first);
+    } else {
+      return py::arg_v(numbers[k].first, numbers[k].second);
+    }
+  };
   m.def(
-      "settling_time",
-      [](const Array& t, const Array& x, double band, double after) {
-        return host::settling_time(series(t, x), band, after);
+      T::name,
+      [](const Array& t, const Array& x, decltype(static_cast<void>(i), 0.0)... given) {
+        T metric;
+        [[maybe_unused]] const std::array<double, sizeof...(i)> values{given...};
+        [[maybe_unused]] std::size_t next = 0;
+        T::describe(metric, [&](double& member, const Field&) { member = values[next++]; });
+        return host::measured(metric, series(t, x));
       },
-      "t"_a, "x"_a, "band"_a, "after"_a = 0.0,
-      "Time (s) from `after` to the first instant from which max_i |x_i| < band to the end; nan when it is never so.");
-  m.def(
-      "window_max",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_max(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest |x_i| of the samples in [t0, t1].");
-  m.def(
-      "window_norm",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_norm(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest Euclidean norm of x in [t0, t1].");
-  m.def(
-      "window_rms",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_rms(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Root of the mean over [t0, t1] of sum_i x_i^2.");
-  m.def(
-      "window_lowest",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_lowest(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Smallest value (signed) of any x_i in [t0, t1].");
-  m.def(
-      "window_highest",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_highest(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest value (signed) of any x_i in [t0, t1].");
-  m.def(
-      "energy", [](const Array& t, const Array& u) { return host::energy(series(t, u)); }, "t"_a, "u"_a,
-      "Integral of sum_i u_i^2 dt, u held from each sample to the next.");
-  m.def(
-      "total_variation",
-      [](const Array& t, const Array& u, double t0, double t1) { return host::total_variation(series(t, u), t0, t1); },
-      "t"_a, "u"_a, "t0"_a, "t1"_a, "Sum over [t0, t1] of sum_i |change of u_i|, per second.");
-  m.def(
-      "fraction_at_least",
-      [](const Array& t, const Array& x, double level, double t0, double t1) {
-        return host::fraction_at_least(series(t, x), level, t0, t1);
-      },
-      "t"_a, "x"_a, "level"_a, "t0"_a, "t1"_a, "Share of the samples in [t0, t1] with max_i |x_i| >= level.");
-  m.def(
-      "first_reach",
-      [](const Array& t, const Array& x, double level, double after) {
-        return host::first_reach(series(t, x), level, after);
-      },
-      "t"_a, "x"_a, "level"_a, "after"_a = 0.0,
-      "First instant (s), not before `after`, with max_i |x_i| >= level; nan when there is none.");
+      "t"_a, "x"_a, argument.template operator()<i>()..., T::meaning);
+}
+
+template <class... T>
+void bind_metrics(py::module_& m, std::type_identity<std::variant<T...>>) {
+  (bind_metric<T>(m, std::make_index_sequence<numbers_of<T>().size()>()), ...);
 }
 
 }  // namespace
@@ -269,7 +266,7 @@ void bind_host(py::module_& m) {
         "Runs one closed loop. Releases the GIL; Python components take it back for their own step only.");
   m.def("critical_effectiveness", &critical_effectiveness<double>, "lambda1"_a, "lambda2"_a,
         "Effectiveness above which feeding the estimate of a finite-time observer forward is stable.");
-  bind_metrics(m);
+  bind_metrics(m, std::type_identity<host::Metric>());
 }
 
 }  // namespace gyrostat::bindings
