@@ -120,8 +120,8 @@ py::array_t<double> array_of(std::vector<double>&& data, std::vector<py::ssize_t
   return out;
 }
 
-constexpr const char* end_names[] = {"completed", "singular", "non_finite", "integration_failed", "no_command",
-                                     "refused"};
+constexpr const char* end_names[] = {"completed",          "singular",   "non_finite",
+                                     "integration_failed", "no_command", "refused"};
 
 const char* end_name(host::RunEnd::Code code) { return end_names[static_cast<int>(code)]; }
 

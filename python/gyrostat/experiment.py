@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """One scenario flown many times with other numbers in it: initial states, faults, the true vehicle, gains, seeds.
 
-The scenario is read once; flights run in C++ on all cores, without Python's global lock, and keep metrics alone, so that
-ten thousand flights take the memory of one. A flight is a function of the scenario, its number and its values: flown in
-any order, on any thread or alone (`Experiment.scenario`), it gives the same bits. Page: docs/experiments.md
+The scenario is read once; flights run in C++ on all cores, without Python's global lock, and keep metrics alone, so
+that ten thousand flights take the memory of one. A flight is a function of the scenario, its number and its values:
+flown in any order, on any thread or alone (`Experiment.scenario`), it gives the same bits. Page: docs/experiments.md
 """
 
 from __future__ import annotations
@@ -117,10 +117,10 @@ class Experiment:
         What is flown.
     vary
         Dotted paths as in `Scenario.replace`: ``"initial.omega_BN_B.1"``, ``"faults.0.remaining"``,
-        ``"truth.dJ_B.0.0"``, ``"observer.kappa"``, ``"seed"``. A path that names a vector or a matrix stands for all its
-        elements; a value an actuator that is written as one number, or not at all, for one number. Types of components
-        and the number of faults are the same in all flights; a fault that may or may not happen has an infinite onset
-        where it does not.
+        ``"truth.dJ_B.0.0"``, ``"observer.kappa"``, ``"seed"``. A path that names a vector or a matrix stands for all
+        its elements; a value an actuator that is written as one number, or not at all, for one number. Types of
+        components and the number of faults are the same in all flights; a fault that may or may not happen has an
+        infinite onset where it does not.
     measure
         Metrics by name: ``{"settling": {"metric": "settling_time", "signal": "error.angle", "band": 1e-3}}``, with the
         arguments of `gyrostat.metrics`; ``column = 2`` takes a component of the signal, ``"last_fault"`` stands for the
@@ -146,9 +146,7 @@ class Experiment:
     (2,)
     """
 
-    def __init__(
-        self, scenario: Scenario, *, vary: Sequence[str] = (), measure: Measures | None = None
-    ) -> None:
+    def __init__(self, scenario: Scenario, *, vary: Sequence[str] = (), measure: Measures | None = None) -> None:
         if not isinstance(scenario, Scenario):
             raise InputError(f"{shown(scenario)} is a {type(scenario).__name__}; a Scenario belongs here")
         if isinstance(vary, str) or not all(isinstance(path, str) for path in vary):
@@ -260,7 +258,9 @@ class Experiment:
         if rows.ndim == 1 and width == 1:
             rows = rows[:, None]
         if rows.ndim != 2 or rows.shape[1] != width:
-            raise InputError(f"values of shape {rows.shape}; (flights, {width}) belongs here: {', '.join(self.columns)}")
+            raise InputError(
+                f"values of shape {rows.shape}; (flights, {width}) belongs here: {', '.join(self.columns)}"
+            )
         if runs is not None and runs != len(rows):
             raise InputError(f"runs = {shown(runs)}, and {len(rows)} rows of values")
         return rows

@@ -175,7 +175,8 @@ TEST(Metrics, OfOneSampleAfterTheOtherAreThoseOfTheWholeSeries) {
     for (double& v : x) v = (uniform(random) - 0.5) * 3;
     const Series s{t, x};
     const Whole whole{t, x};
-    const double t0 = t[random() % (n - 1)], t1 = t[n - 1] - (random() % 2 == 0 ? 0.0 : 1e-10), band = 2 * uniform(random);
+    const double t0 = t[random() % (n - 1)], t1 = t[n - 1] - (random() % 2 == 0 ? 0.0 : 1e-10),
+                 band = 2 * uniform(random);
     EXPECT_PRED2(same_bits, of<SettlingTime>(s, {band, t0}), whole.settling(band, t0));
     EXPECT_PRED2(same_bits, of<WindowMax>(s, {t0, t1}), whole.max(t0, t1));
     EXPECT_PRED2(same_bits, of<WindowRms>(s, {t0, t1}), whole.rms(t0, t1));

@@ -256,10 +256,10 @@ void read_run(const Table& scenario, Assembly& a) {
 }
 
 void refuse_unknown_keys(const Table& scenario) {
-  static const std::vector<std::string> known = {"name",           "description", "duration",  "dt",      "seed",
-                                                 "run_number",     "allow_unstable", "vehicle",     "truth",     "initial", "observer",
-                                                 "detector",       "controller",  "allocator", "faults",  "shadows",
-                                                 "disturbances",   "reference",   "sensors",   "record",  "integrator"};
+  static const std::vector<std::string> known = {
+      "name",    "description", "duration",     "dt",        "seed",     "run_number", "allow_unstable",
+      "vehicle", "truth",       "initial",      "observer",  "detector", "controller", "allocator",
+      "faults",  "shadows",     "disturbances", "reference", "sensors",  "record",     "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 

@@ -92,7 +92,8 @@ struct RunBlock {
     field(p.duration, Field{"duration", "s", 0, 1e9, "simulated time, a whole number of periods"});
     field(p.dt, Field{"dt", "s", 1e-6, 1e3, "period of the flight stack"});
     field(p.seed, Field{"seed", "", 0, 9.2e18, "of all noise"});
-    field(p.run_number, Field{"run_number", "", 0, 9.2e18, "of a flight among many: noise of its own from the same seed"});
+    field(p.run_number,
+          Field{"run_number", "", 0, 9.2e18, "of a flight among many: noise of its own from the same seed"});
     field(p.allow_unstable, Switch{"allow_unstable", "run settings whose check says unstable"});
   }
 };

@@ -58,6 +58,12 @@ AttitudeError<double> error_of(const Moment& m) {
   return attitude_error(m.q_NB(), m.omega_BN_B(), m.ref->q_NR, m.ref->omega_RN_R);
 }
 
+/// What most runs measure at every sample: of unit quaternions, without the rest of attitude_error.
+double pointing_error(const Moment& m) {
+  const Quat<double> q_RB = m.ref->q_NR.conjugate() * m.q_NB();
+  return 2 * std::atan2(q_RB.vec().norm(), std::abs(q_RB.w()));
+}
+
 /// The angles of a body are known up to full turns, those of the Euler-angle model are states.
 Vec3<double> euler_error(const Moment& m) {
   Vec3<double> z = m.euler().angles - m.ref->euler.angles;
@@ -101,7 +107,7 @@ const Known known[] = {
     {"truth.lumped_mean_B", 3, "N m", "mean of lumped_B over the interval",
      [](M m, double* o) { put(lumped_mean(m), o); }, false, true},
     {"error.angle", 1, "rad", "angle between body and reference",
-     [](M m, double* o) { put(rotation_angle(error_of(m).q_RB), o); }, true},
+     [](M m, double* o) { put(pointing_error(m), o); }, true},
     {"error.mrp", 3, "", "MRP of the body relative to the reference, short way",
      [](M m, double* o) { put(mrp(short_way(error_of(m).q_RB)), o); }},
     {"error.omega_BR_B", 3, "rad/s", "body rate relative to the reference",
@@ -202,7 +208,7 @@ bool meant(const std::string& pattern, const std::string& name) {
 }  // namespace
 
 std::vector<ChannelInfo> ChannelReader::offered(int actuators, const std::vector<Reported>& components,
-                                           const std::vector<ShadowView>& shadows) {
+                                                const std::vector<ShadowView>& shadows) {
   std::vector<ChannelInfo> out;
   for (const Known& k : known) out.push_back(info_of(k.name, k, actuators));
   for (const ShadowView& s : shadows) {
@@ -215,7 +221,7 @@ std::vector<ChannelInfo> ChannelReader::offered(int actuators, const std::vector
 }
 
 std::vector<std::string> ChannelReader::usual(const std::vector<Reported>& components,
-                                         const std::vector<ShadowView>& shadows) {
+                                              const std::vector<ShadowView>& shadows) {
   std::vector<std::string> names;
   for (const Known& k : known) {
     if (k.usual) names.emplace_back(k.name);

@@ -137,7 +137,8 @@ Experiment::Experiment(const Table& scenario, const std::vector<std::string>& va
 Experiment::Meter Experiment::meter_of(const std::string& name, const Value& entry, double duration) {
   const Place place{"measure '" + name + "'"};
   const Table* given = entry.as<Table>();
-  if (given == nullptr) place.refuse("is " + std::string(entry.kind()) + "; a table with metric and signal belongs here");
+  if (given == nullptr)
+    place.refuse("is " + std::string(entry.kind()) + "; a table with metric and signal belongs here");
   Meter m{name, text_at(*given, "signal", place), -1, {}, {}};
   if (m.channel.ends_with(".*")) place.refuse("signal = '" + m.channel + "' names several channels; one belongs here");
   const std::string metric = text_at(*given, "metric", place);

@@ -245,8 +245,8 @@ struct Final {
   double value() const noexcept { return last; }
 };
 
-using Metric = std::variant<SettlingTime, Recovery, WindowMax, WindowNorm, WindowRms, WindowLowest, WindowHighest, Energy,
-                            TotalVariation, FractionAtLeast, FirstReach, Final>;
+using Metric = std::variant<SettlingTime, Recovery, WindowMax, WindowNorm, WindowRms, WindowLowest, WindowHighest,
+                            Energy, TotalVariation, FractionAtLeast, FirstReach, Final>;
 
 /// n samples of k values, sample after sample.
 struct Series {

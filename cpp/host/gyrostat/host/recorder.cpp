@@ -15,7 +15,8 @@ std::size_t Recorder::width() const noexcept {
 
 void Recorder::reserve(std::size_t rows) {
   t_.reserve(rows);
-  for (std::size_t i = 0; i < data_.size(); ++i) data_[i].resize(rows * static_cast<std::size_t>(reader_.channels()[i].size));
+  for (std::size_t i = 0; i < data_.size(); ++i)
+    data_[i].resize(rows * static_cast<std::size_t>(reader_.channels()[i].size));
 }
 
 void Recorder::record(const Moment& now) {

@@ -20,26 +20,19 @@ FlightParts::FlightParts(const Assembly& a, const ExternalComponents& external)
 }
 
 Moments::Moments(const Assembly& a, const truth::Plant& plant, const Stack& stack, bool previous)
-    : plant_(plant), stack_(stack), moment_(a.vehicles, plant), previous_(previous) {
+    : plant_(plant), moment_(a.vehicles, plant), previous_(previous) {
   u_held_ = VecN<double>::Zero(a.setup.vehicle.actuators());
   omega_before_ = plant.omega_BN_B();
   h_w_before_ = plant.h_w();
   if (plant.flies_euler()) angles_before_ = plant.euler().angles;
-}
-
-const Moment& Moments::now(const Measurement<double>& y, const Reference<double>& ref) {
-  moment_.advance(plant_.time());
-  moment_.y = &y;
-  moment_.ref = &ref;
-  moment_.x = &stack_.estimate();
-  moment_.det = &stack_.detection();
-  moment_.demand = &stack_.demand();
-  moment_.last = &stack_.last();
+  moment_.x = &stack.estimate();
+  moment_.det = &stack.detection();
+  moment_.demand = &stack.demand();
+  moment_.last = &stack.last();
   moment_.u_held = &u_held_;
   moment_.omega_before_B = &omega_before_;
   moment_.h_w_before = &h_w_before_;
   moment_.angles_before = &angles_before_;
-  return moment_;
 }
 
 void Moments::after() {

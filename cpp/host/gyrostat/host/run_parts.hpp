@@ -44,18 +44,24 @@ class ShadowFlight {
 class Moments {
  public:
   Moments(const Assembly& a, const truth::Plant& plant, const Stack& stack, bool previous);
+  Moments(const Moments&) = delete;  // the moment points to what is kept here
+  Moments& operator=(const Moments&) = delete;
 
   void before(const Allocation<double>& last) {
     if (previous_ && !first_) u_held_ = last.u;
     first_ = false;
   }
-  const Moment& now(const Measurement<double>& y, const Reference<double>& ref);
+  const Moment& now(const Measurement<double>& y, const Reference<double>& ref) {
+    moment_.advance(plant_.time());
+    moment_.y = &y;
+    moment_.ref = &ref;
+    return moment_;
+  }
   /// The sample is over.
   void after();
 
  private:
   const truth::Plant& plant_;
-  const Stack& stack_;
   Moment moment_;
   bool previous_, first_ = true;
   VecN<double> u_held_, h_w_before_;

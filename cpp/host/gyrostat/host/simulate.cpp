@@ -236,9 +236,7 @@ std::vector<CheckRow> check(const Assembly& a, const ExternalComponents& externa
   return check_components(a, external);
 }
 
-truth::InnerRates inner_rates(const Assembly& a) {
-  return truth::Plant(a.plant, a.initial, a.setup.dt).inner_rates();
-}
+truth::InnerRates inner_rates(const Assembly& a) { return truth::Plant(a.plant, a.initial, a.setup.dt).inner_rates(); }
 
 std::vector<ChannelInfo> channels(const Assembly& a, const ExternalComponents& external) {
   const FlightParts parts(a, external);

@@ -97,10 +97,9 @@ struct Slots::Target {
 };
 
 Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::vector<std::string> words) {
-  static const std::vector<std::string> heads = {"vehicle",    "truth",     "initial",    "seed",
-                                                 "observer",   "detector",  "controller", "allocator",
-                                                 "faults",     "shadows",   "disturbances",
-                                                 "reference",  "sensors",   "integrator"};
+  static const std::vector<std::string> heads = {"vehicle",      "truth",      "initial",   "seed",      "observer",
+                                                 "detector",     "controller", "allocator", "faults",    "shadows",
+                                                 "disturbances", "reference",  "sensors",   "integrator"};
   const auto next = [&] {
     if (words.empty()) refuse(path, "more belongs here: the name of a parameter");
     const std::string word = words.front();
@@ -234,7 +233,8 @@ void Slots::refuse_gaps() {
       Path beside = whole;
       beside.emplace_back(i);
       if (!list[i].is_none() || std::find(paths_.begin(), paths_.end(), beside) != paths_.end()) continue;
-      refuse(columns_[k], "element " + std::to_string(i) + " beside it has no value; give it one, or let it differ too");
+      refuse(columns_[k],
+             "element " + std::to_string(i) + " beside it has no value; give it one, or let it differ too");
     }
   }
 }
