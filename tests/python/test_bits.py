@@ -110,7 +110,7 @@ def arithmetic() -> str:
     for x in np.linspace(0.001, 3.0, 1000):
         values = (math.sin(x), math.cos(x), math.atan2(x, 2.0), math.exp(x), math.log(x), math.pow(x, 0.37))
         functions.update(struct.pack("6d", *values))
-    return f"{platform.machine()} {_core.__compiler__} {functions.hexdigest()[:8]}"
+    return f"{platform.machine()} {_core.compiler()} {functions.hexdigest()[:8]}"
 
 
 def end_of(result: gs.Result) -> list[float]:
