@@ -23,13 +23,14 @@ Plant run_li2018(const Integrator& integrator, double dt) {
   PlantModel m = test::torquers(integrator);
   m.actuators.u_lo.setConstant(-0.25);
   m.actuators.u_up.setConstant(0.25);
-  m.faults = {LossOfEffectiveness{.actuator = 0, .t_on = 10, .remaining = 0.5},
-              LossOfEffectiveness{.actuator = 1, .remaining = SquareWave{.low = 0.6, .high = 0.85, .period = 100}},
-              LossOfEffectiveness{.actuator = 2, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
-              LossOfEffectiveness{.actuator = 3, .t_on = 10, .remaining = 0.2},
-              Bias{.actuator = 1, .torque = 0.008},
-              Bias{.actuator = 2, .torque = SineWave{0, 0.05, 1, 0}},
-              Bias{.actuator = 3, .torque = 0.005}};
+  m.faults = {
+      LossOfEffectiveness{.window = {.actuator = 0, .t_on = 10}, .remaining = 0.5},
+      LossOfEffectiveness{.window = {.actuator = 1}, .remaining = SquareWave{.low = 0.6, .high = 0.85, .period = 100}},
+      LossOfEffectiveness{.window = {.actuator = 2}, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
+      LossOfEffectiveness{.window = {.actuator = 3, .t_on = 10}, .remaining = 0.2},
+      Bias{.window = {.actuator = 1}, .torque = 0.008},
+      Bias{.window = {.actuator = 2}, .torque = SineWave{0, 0.05, 1, 0}},
+      Bias{.window = {.actuator = 3}, .torque = 0.005}};
   m.disturbances = {RatePhaseTorque{.gain = 10,
                                     .offset_B = a * Vec3<double>{-8, 12, 9},
                                     .axis = {0, 0, 1, 1, 2, 2},

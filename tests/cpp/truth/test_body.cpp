@@ -16,8 +16,8 @@ PlantModel mixed_vehicle() {
   m.actuators.wheel_inertia = vec({0.05, 0, 0.08, 0});
   m.actuators.viscous_friction = vec({0, 0, 1e-3, 0});
   m.actuators.coulomb_friction = vec({0, 0, 2e-3, 0});
-  m.faults = {LossOfEffectiveness{.actuator = 1, .remaining = 0.5},
-              Bias{.actuator = 3, .torque = SineWave{0.1, 0.05, 2, 0}}};
+  m.faults = {LossOfEffectiveness{.window = {.actuator = 1}, .remaining = 0.5},
+              Bias{.window = {.actuator = 3}, .torque = SineWave{0.1, 0.05, 2, 0}}};
   m.disturbances = {GravityGradient{}, ConstantTorque{{0.01, 0, -0.02}}};
   m.orbit_rate = 0.05;
   return m;
@@ -48,8 +48,8 @@ TEST(Body, MomentumFormGivesTheRateOfTheRateForm) {
 TEST(Body, TotalMomentumInInertialSpaceChangesByTheExternalTorqueAlone) {
   PlantModel m = wheels(Rk4{});
   m.actuators.viscous_friction.setConstant(1e-3);
-  m.faults = {Bias{.actuator = 3, .torque = SineWave{0.1, 0.05, 2, 0}},
-              StuckOutput{.actuator = 0, .t_on = 1.2345, .torque = 0.1}};
+  m.faults = {Bias{.window = {.actuator = 3}, .torque = SineWave{0.1, 0.05, 2, 0}},
+              StuckOutput{.window = {.actuator = 0, .t_on = 1.2345}, .torque = 0.1}};
   Plant plant(m, driven_start(), 1e-2);
   const auto momentum_N = [&] {
     return Vec3<double>(plant.q_NB() * (m.J_B * plant.omega_BN_B() + torque<double>(m.D_B, plant.h_w())));

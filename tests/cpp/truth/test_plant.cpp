@@ -51,7 +51,7 @@ Plant run(const PlantModel& m, const InitialState& initial, const VecN<double>& 
 TEST(Plant, AFaultBetweenTwoSamplesActsFromItsTimeToItsTime) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_axis(integrator);
-    m.faults = {Bias{.actuator = 0, .t_on = 10.0037, .t_off = 11.0059, .torque = 0.2}};
+    m.faults = {Bias{.window = {.actuator = 0, .t_on = 10.0037, .t_off = 11.0059}, .torque = 0.2}};
     const Plant plant = run(m, {}, vec({0}), 12);
     EXPECT_NEAR(plant.omega_BN_B()[0], 0.2 * (11.0059 - 10.0037) / 10,
                 1e-14);  // impulse / inertia, rounding of times of 10 s
@@ -61,7 +61,7 @@ TEST(Plant, AFaultBetweenTwoSamplesActsFromItsTimeToItsTime) {
 
 TEST(Plant, CvodeNeedsNoRestartForFaultsButForJumpsOfADisturbance) {
   PlantModel m = driven_model(Cvode{});
-  m.faults = {Bias{.actuator = 0, .torque = SquareWave{.low = -0.01, .high = 0.01, .period = 0.777}}};
+  m.faults = {Bias{.window = {.actuator = 0}, .torque = SquareWave{.low = -0.01, .high = 0.01, .period = 0.777}}};
   EXPECT_EQ(run(m, driven_start(), driven_command(true), 20).statistics().restarts, 1u);
   m.disturbances = {PeriodicTorque{{StepsWave{{0, 5.005, 10}, {0, 0.01, 0}}, 0.0, 0.0}}};
   EXPECT_EQ(run(m, driven_start(), driven_command(true), 20).statistics().restarts, 3u);
@@ -75,13 +75,13 @@ PlantModel busy(const Integrator& integrator, double D) {
   m.actuators.u_up.setConstant(0.04);
   m.actuators.u_lo.setConstant(-0.04);
   m.actuators.limit_on = LimitOn::output;
-  m.faults = {LossOfEffectiveness{.actuator = 2, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
-              Bias{.actuator = 2, .torque = SineWave{0, 0.05, 1, 0}},  // meets the output limit
-              Intermittent{.actuator = 0, .t_on = 1.2345, .period = 0.777, .duty = 0.4, .torque = 0.01},
-              Drift{.actuator = 1, .t_on = 2.0003, .rate = 1e-3},
-              Lock{.actuator = 3, .t_on = 7.0071, .t_off = 12.3},
-              LossOfEffectiveness{
-                  .actuator = 3, .t_on = 3.003, .remaining = SquareWave{.low = 0.2, .high = 0.9, .period = 1.1}}};
+  m.faults = {LossOfEffectiveness{.window = {.actuator = 2}, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
+              Bias{.window = {.actuator = 2}, .torque = SineWave{0, 0.05, 1, 0}},  // meets the output limit
+              Intermittent{.window = {.actuator = 0, .t_on = 1.2345}, .period = 0.777, .duty = 0.4, .torque = 0.01},
+              Drift{.window = {.actuator = 1, .t_on = 2.0003}, .rate = 1e-3},
+              Lock{.window = {.actuator = 3, .t_on = 7.0071, .t_off = 12.3}},
+              LossOfEffectiveness{.window = {.actuator = 3, .t_on = 3.003},
+                                  .remaining = SquareWave{.low = 0.2, .high = 0.9, .period = 1.1}}};
   m.disturbances = {PeriodicTorque{{SquareWave{.low = -D, .high = D, .period = 3.33}, SineWave{0, D, 0.7, 0}, D}}};
   return m;
 }
@@ -105,7 +105,7 @@ TEST(Plant, SamplingFinerChangesNothingUnderConstantCommands) {
 TEST(Plant, SwitchesWithinANanosecondOfASampleAreMovedOntoIt) {
   for (const double t_on : {5 - 4e-10, 5 + 4e-10}) {
     PlantModel m = one_axis(Rk4{});
-    m.faults = {Dead{.actuator = 0, .t_on = t_on}};
+    m.faults = {Dead{.window = {.actuator = 0, .t_on = t_on}}};
     const Plant plant = run(m, {}, vec({0.1}), 6);
     EXPECT_EQ(plant.statistics().steps, 600u);  // no sample was split
     EXPECT_NEAR(plant.omega_BN_B()[0], 0.1 * 5 / 10, 1e-14);
@@ -116,8 +116,8 @@ TEST(Plant, SwitchesWithinANanosecondOfASampleAreMovedOntoIt) {
 
 TEST(Plant, SamplesShowTheIntervalThatJustEnded) {
   PlantModel m = one_axis(Rk4{});
-  m.faults = {LossOfEffectiveness{.actuator = 0, .t_on = 0.5, .remaining = 0.25},
-              Bias{.actuator = 0, .t_on = 0.5, .torque = 0.03}};
+  m.faults = {LossOfEffectiveness{.window = {.actuator = 0, .t_on = 0.5}, .remaining = 0.25},
+              Bias{.window = {.actuator = 0, .t_on = 0.5}, .torque = 0.03}};
   m.disturbances = {PeriodicTorque{{StepsWave{{0, 0.5}, {0, 1}}, 0.0, 0.0}}};
   Plant plant(m, {}, 0.01);
   EXPECT_EQ(plant.sample().delivered[0], 0);
@@ -140,7 +140,7 @@ TEST(Plant, SamplesShowTheIntervalThatJustEnded) {
 
 TEST(Plant, ALockAtASampleFreezesTheCommandOfTheIntervalBefore) {
   PlantModel m = one_axis(Rk4{});
-  m.faults = {Lock{.actuator = 0, .t_on = 1.0}};
+  m.faults = {Lock{.window = {.actuator = 0, .t_on = 1.0}}};
   Plant plant(m, {}, 0.01);
   for (int k = 0; k < 100; ++k) plant.advance(vec({0.2}));
   for (int k = 0; k < 100; ++k) plant.advance(vec({-0.7}));
@@ -200,7 +200,7 @@ TEST(Plant, AFullWheelWaitsUntilAVaryingTorqueTurns) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_axis(integrator, 0.05);
     m.actuators.momentum_max[0] = limit;
-    m.faults = {Bias{.actuator = 0, .torque = SineWave{0, a, w, 0}}};
+    m.faults = {Bias{.window = {.actuator = 0}, .torque = SineWave{0, a, w, 0}}};
     Plant plant(m, {}, 0.01);
     plant.advance_to(vec({0}), 6.0);
     EXPECT_NEAR(plant.h_w()[0], -limit, 1e-12);
@@ -221,7 +221,7 @@ TEST(Plant, AnOutputLimitCutsAVaryingTorqueWhereItMeetsIt) {
     m.actuators.u_up[0] = limit;
     m.actuators.u_lo[0] = -limit;
     m.actuators.limit_on = LimitOn::output;
-    m.faults = {Bias{.actuator = 0, .torque = SineWave{0, a, w, 0}}};
+    m.faults = {Bias{.window = {.actuator = 0}, .torque = SineWave{0, a, w, 0}}};
     Plant plant(m, {}, 0.01);
     for (int k = 0; k < 314; ++k) plant.advance(vec({0}));
     plant.advance_to(vec({0}), t);

@@ -173,7 +173,7 @@ TEST(StandingWheels, SlipAndStickUnderASineAtTheTimesOfTheClosedForm) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_wheel(integrator);
     m.actuators.coulomb_friction[0] = dry;
-    m.faults = {Bias{.actuator = 0, .torque = SineWave{0, a, 1, 0}}};
+    m.faults = {Bias{.window = {.actuator = 0}, .torque = SineWave{0, a, 1, 0}}};
     Plant plant(m, {}, 0.01);
     const auto at = [&](double t) {
       plant.advance_to(vec({0}), t);
@@ -337,8 +337,8 @@ TEST(InnerTime, AStateThatTurnsAThousandTimesInASampleEndsTheRunWithItsTime) {
 TEST(InnerTime, ASampleOfTooManyPiecesEndsTheRunWithItsTime) {
   for (const Integrator& integrator : {Integrator(Rk4{}), Integrator(Auto{})}) {
     PlantModel m = one_wheel(integrator);
-    m.faults = {
-        Intermittent{.actuator = 0, .t_on = 1.5, .period = 1e-6, .torque = 0.1}};  // a million switches a second
+    m.faults = {Intermittent{
+        .window = {.actuator = 0, .t_on = 1.5}, .period = 1e-6, .torque = 0.1}};  // a million switches a second
     Plant plant(m, {}, 1.0);
     hold(plant, 0, 1);
     try {

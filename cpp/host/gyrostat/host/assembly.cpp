@@ -204,13 +204,14 @@ void read_faults(const Table& scenario, Assembly& a) {
     std::visit(
         [&](const auto& fault) {
           const std::string where = "faults[" + std::to_string(i) + "] '" + fault.name + "': ";
-          if (fault.actuator >= n) {
-            refuse(where + "actuator = " + std::to_string(fault.actuator) + " is not there; the vehicle has " +
+          const truth::Window& window = fault.window;
+          if (window.actuator >= n) {
+            refuse(where + "actuator = " + std::to_string(window.actuator) + " is not there; the vehicle has " +
                    std::to_string(n) + " (0 to " + std::to_string(n - 1) + ")");
           }
-          if (!(fault.t_off > fault.t_on))
-            refuse(where + "t_off = " + number_text(fault.t_off) + " must be after t_on = " + number_text(fault.t_on) +
-                   " s");
+          if (!(window.t_off > window.t_on))
+            refuse(where + "t_off = " + number_text(window.t_off) +
+                   " must be after t_on = " + number_text(window.t_on) + " s");
         },
         a.plant.faults[i]);
   }
