@@ -2,7 +2,7 @@
 /// @file  Actuators as they really are: limits, wheels with friction, and the faults on top.
 ///
 /// Over one control period the command is held, so what an actuator delivers is a function of time alone, but for
-/// bearing friction (which depends on wheel speed and belongs to the equations of motion, see body.hpp).
+/// bearing friction (which depends on wheel speed and belongs to the equations of motion, see effectors/).
 /// Sign: command, delivered torque, effectiveness and bias act ON the body along the actuator's axis.
 #pragma once
 #include <array>

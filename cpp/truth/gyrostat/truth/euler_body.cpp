@@ -26,11 +26,10 @@ Mat3<double> turn_rate(int axis, const Mat3<double>& R) noexcept {
 
 }  // namespace
 
-EulerBody::EulerBody(const Body& body, double orbit_rate) : J_(body.J_B.diagonal()), orbit_rate_(orbit_rate) {
-  const Mat3<double> rest = body.J_B - Mat3<double>(J_.asDiagonal());
+EulerBody::EulerBody(const Mat3<double>& J_B, double orbit_rate)
+    : J_B_(J_B), J_(J_B.diagonal()), orbit_rate_(orbit_rate) {
+  const Mat3<double> rest = J_B - Mat3<double>(J_.asDiagonal());
   if (rest.norm() > 0) throw std::invalid_argument("plant: the Euler-angle model needs a diagonal inertia");
-  if (body.kind != Body::Kind::torquers)
-    throw std::invalid_argument("plant: the Euler-angle model has no wheels; wheel_inertia must be absent or zero");
 }
 
 Vec3<double> EulerBody::acceleration(const Vec3<double>& angles, const Vec3<double>& rates) const noexcept {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "gyrostat/truth/plant.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -46,17 +49,90 @@ std::string text(double x) {
   return out.data();
 }
 
-void refuse_quick_bearings(const Body& body, double dt) {
-  if (body.friction_rate * dt <= InnerRates::most_in_a_sample) return;
-  const auto quicker = [](const Body::FrictionWheel& a, const Body::FrictionWheel& b) {
+using FrictionWheels = std::vector<FrictionWheel>;
+
+// What a kind beside a fixed axis holds would have to be taken off where the rate is published.
+static_assert(!Effectors::beside_axes);
+
+/// Largest eigenvalue of the speeds' own dynamics, s' = -(1/Js + G' J^-1 G) C s.
+double relaxation(const FrictionWheels& wheels, const Mat3<double>& J_B_inverse) {
+  const auto n = static_cast<Eigen::Index>(wheels.size());
+  if (n == 0) return 0;
+  Eigen::MatrixXd symmetric(n, n);  // similar to it
+  for (Eigen::Index r = 0; r < n; ++r) {
+    for (Eigen::Index c = 0; c < n; ++c) {
+      const FrictionWheel &a = wheels[static_cast<std::size_t>(r)], &b = wheels[static_cast<std::size_t>(c)];
+      const double coupling = a.axis_B.dot(J_B_inverse * b.axis_B) + (r == c ? 1 / a.inertia : 0.0);
+      symmetric(r, c) = std::sqrt(a.viscous * b.viscous) * coupling;
+    }
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[n - 1];
+}
+
+void refuse_quick_bearings(const FrictionWheels& wheels, double rate, double dt) {
+  if (rate * dt <= InnerRates::most_in_a_sample) return;
+  const auto quicker = [](const FrictionWheel& a, const FrictionWheel& b) {
     return a.viscous / a.inertia < b.viscous / b.inertia;
   };
-  const auto quickest = std::max_element(body.friction_wheels.begin(), body.friction_wheels.end(), quicker);
-  throw std::invalid_argument("plant: viscous_friction = " + text(quickest->viscous) +
-                              " N m s stops the wheel of actuator " + std::to_string(quickest->actuator) + " (" +
-                              text(quickest->inertia) + " kg m^2) in " + text(1 / body.friction_rate) +
+  const FrictionWheel& quickest = *std::max_element(wheels.begin(), wheels.end(), quicker);
+  throw std::invalid_argument("plant: viscous_friction = " + text(quickest.viscous) +
+                              " N m s stops the wheel of actuator " + std::to_string(quickest.channel) + " (" +
+                              text(quickest.inertia) + " kg m^2) in " + text(1 / rate) +
                               " s; nothing quicker than a thousandth of the period, " +
                               text(dt / InnerRates::most_in_a_sample) + " s, can be integrated");
+}
+
+void refuse_no_inertia(const Mat3<double>& J_B) {
+  const bool symmetric = (J_B - J_B.transpose()).norm() <= 1e-12 * J_B.norm();  // rounding of what the caller computed
+  refuse_if(!J_B.allFinite() || !symmetric || Eigen::LLT<Mat3<double>>(J_B).info() != Eigen::Success,
+            "body: the inertia (less the wheels' axial inertia) must be symmetric and positive definite");
+}
+
+/// The effectors of a model: those that it has, and a wheel or torquer for each channel that none of them takes.
+Effectors effectors_of(PlantModel& model) {
+  const Actuators& a = model.actuators;
+  const int n = a.size();
+  if (model.D_B.cols() != n || !model.D_B.allFinite()) {
+    throw std::invalid_argument("body: D_B must be finite with one column for each of the " + std::to_string(n) +
+                                " actuators");
+  }
+  if (const std::string error = a.check(); !error.empty()) throw std::invalid_argument(error);
+  Mask taken;
+  model.effectors.each([&](const auto& e) {
+    if (e.channel < 0) return;
+    refuse_if(e.channel >= n || taken.test(e.channel), "plant: an effector needs a channel of its own");
+    taken.set(e.channel);
+  });
+  Effectors out = std::move(model.effectors);
+  for (int i = 0; i < n; ++i) {
+    if (taken.test(i)) continue;
+    const Wheel wheel{
+        i, model.D_B.col(i), a.wheel_inertia[i], a.viscous_friction[i], a.coulomb_friction[i], a.momentum_max[i]};
+    if (!a.is_wheel(i)) {
+      out.add(Torquer{i});
+    } else if (wheel.viscous > 0 || wheel.coulomb > 0) {
+      out.add(FrictionWheel{wheel});
+    } else {
+      out.add(wheel);
+    }
+  }
+  return out;
+}
+
+/// With what the effectors take of it; wheels in the order of their channels, whatever their kind.
+Mat3<double> total_inertia(const Mat3<double>& J_B, const Effectors& effectors) {
+  std::array<Mat3<double>, max_actuators> of_channel;
+  of_channel.fill(Mat3<double>::Zero());
+  Mat3<double> total = J_B;
+  effectors.each([&](const auto& e) {
+    if (e.channel < 0) {
+      total += e.inertia_B();
+    } else {
+      of_channel[static_cast<std::size_t>(e.channel)] = e.inertia_B();
+    }
+  });
+  for (const Mat3<double>& inertia : of_channel) total += inertia;
+  return total;
 }
 
 }  // namespace
@@ -65,46 +141,48 @@ NonFiniteState::NonFiniteState(double time_in)
     : std::runtime_error("the state is no longer finite at t = " + std::to_string(time_in) + " s"), time(time_in) {}
 
 Plant::Plant(PlantModel model, const InitialState& initial, double dt)
-    : body_(model.J_B, model.D_B, model.actuators),
+    : J_B_(model.J_B),
+      J_B_inverse_(model.J_B.inverse()),
+      D_B_(model.D_B),
+      effectors_(effectors_of(model)),
+      states_(rigid_states + effectors_.states()),
       actuators_(std::move(model.actuators), std::move(model.faults)),
-      external_(std::move(model.disturbances), body_.J_total_B, model.orbit_rate),
+      external_(std::move(model.disturbances), total_inertia(model.J_B, effectors_), model.orbit_rate),
       dt_(dt) {
+  refuse_no_inertia(J_B_);
+  refuse_if(states_ > max_states, "plant: too many effectors with states of their own");
   refuse_if(!(dt > 0) || !std::isfinite(dt), "plant: dt must be positive and finite");
   const double norm = initial.q_NB.norm();
   refuse_if(!(norm > 0) || !std::isfinite(norm), "plant: the initial quaternion must be finite and not zero");
   refuse_if(!initial.omega_BN_B.allFinite(), "plant: the initial rate must be finite");
   const int n = actuators_.size();
-  const Actuators& a = actuators_.actuators();
+  list_effectors();
   stored_ = initial.h_w.size() == 0 ? VecN<double>::Zero(n) : initial.h_w;
   refuse_if(stored_.size() != n || !stored_.allFinite(), "plant: h_w must be finite, with one element an actuator");
   for (int i = 0; i < n; ++i) {
-    refuse_if(!a.is_wheel(i) && stored_[i] != 0, "plant: h_w of an ideal torquer must be zero");
-    refuse_if(std::abs(stored_[i]) > a.momentum_max[i], "plant: a wheel starts beyond its momentum_max");
-    watched_.set(i, a.is_wheel(i) && (std::isfinite(a.momentum_max[i]) || a.coulomb_friction[i] > 0));
+    refuse_if(!is_wheel(i) && stored_[i] != 0, "plant: h_w of an ideal torquer must be zero");
+    refuse_if(is_wheel(i) && std::abs(stored_[i]) > wheel(i).momentum_max,
+              "plant: a wheel starts beyond its momentum_max");
   }
-  refuse_quick_bearings(body_, dt);
   stored_rest_ = VecN<double>::Zero(n);
   h_w_ = VecN<double>::Zero(n);
-  friction_index_.fill(-1);
-  for (std::size_t j = 0; j < body_.friction_wheels.size(); ++j) {
-    friction_index_[static_cast<std::size_t>(body_.friction_wheels[j].actuator)] = static_cast<int>(j);
-  }
-  counted_ = friction_index_;
 
-  const Vec3<double> H_B = body_.J_B * initial.omega_BN_B + torque<double>(body_.D_B, stored_);
+  Vec3<double> H_B = J_B_ * initial.omega_BN_B + torque<double>(D_B_, stored_);
   if (model.coordinates == Coordinates::euler_angles) {
     refuse_if(!initial.euler.allFinite(), "plant: the initial Euler angles must be finite");
-    euler_body_.emplace(body_, model.orbit_rate);
+    refuse_if(std::any_of(wheel_.begin(), wheel_.end(), [](const Wheel* w) { return w != nullptr; }),
+              "plant: the Euler-angle model has no wheels; wheel_inertia must be absent or zero");
+    euler_body_.emplace(J_B_, model.orbit_rate);
     y_ = {initial.euler[0], initial.euler[1], initial.euler[2], 0, H_B[0], H_B[1], H_B[2]};
   } else {
     const Quat<double> q = initial.q_NB.normalized();
     y_ = {q.w(), q.x(), q.y(), q.z(), H_B[0], H_B[1], H_B[2]};
   }
 
-  exchange_.J_B_inverse = body_.J_B_inverse;
-  inverse_inertia_ = body_.J_B_inverse.norm();
+  held_.J_B_inverse = J_B_inverse_;
+  inverse_inertia_ = J_B_inverse_.norm();
   if (const auto* cvode = std::get_if<Cvode>(&model.integrator)) {
-    cvode_.emplace(*cvode, body_.states());
+    cvode_.emplace(*cvode, states_);
     restart_each_sample_ = cvode->restart_each_sample;
     pair_ = {cvode->rtol, cvode->atol};
   } else if (const auto* pair = std::get_if<Auto>(&model.integrator)) {
@@ -116,6 +194,33 @@ Plant::Plant(PlantModel model, const InitialState& initial, double dt)
   publish();
   omega_BN_B_ = initial.omega_BN_B;
   enter_piece();
+}
+
+/// Which channels are what, and where the states of friction wheels are.
+void Plant::list_effectors() {
+  friction_index_.fill(-1);
+  int next = rigid_states;
+  FrictionWheels friction_wheels;
+  effectors_.each([&]<class E>(E& e) {
+    const auto index = static_cast<std::size_t>(e.channel);
+    if (e.channel >= 0) in_equations_.set(e.channel, detail::Coupled<E>);
+    if (E::along_axis) along_.set(e.channel);
+    if (E::along_axis && E::storage == Storage::outer) outer_.set(e.channel);
+    if constexpr (std::derived_from<E, Wheel>) {
+      wheel_[index] = &e;
+      watched_.set(e.channel, e.watched());
+    }
+    if constexpr (std::same_as<E, FrictionWheel>) {
+      friction_wheel_[index] = &e;
+      friction_index_[index] = next;
+      friction_wheels.push_back(e);
+    }
+    next += E::states;
+  });
+  counted_ = friction_index_;
+  held_.leaves = !outer_.any() ? Held::Leaves::nothing : outer_ == along_ ? Held::Leaves::all : Held::Leaves::some;
+  friction_rate_ = relaxation(friction_wheels, J_B_inverse_);
+  refuse_quick_bearings(friction_wheels, friction_rate_, dt_);
 }
 
 // ---- time -----------------------------------------------------------------------------------------------------------
@@ -179,9 +284,9 @@ void Plant::step_towards(double stop) {
   }
   length_ = t1 - t_;
   fit_delivered(t1);
-  if (!cvode_ || restart_) absorb_torquer_impulse();
+  if (!cvode_ || restart_) absorb_outer_impulse();
   if (watched_.any()) settle_wheels();
-  set_exchange();
+  hold();
   if (watched_.any()) {
     t1 = integrate_watching(t1);
   } else {
@@ -242,7 +347,7 @@ void Plant::fit_delivered(double t1) noexcept {
 }
 
 /// The momentum that the actuators hold, as polynomials of the present piece.
-void Plant::set_exchange() noexcept {
+void Plant::hold() noexcept {
   const double length = length_, per_length = 1 / length;
   const auto powers = static_cast<std::size_t>(degree_ + 2);
   const auto reset = [&](auto& polynomial, const auto& zero) {
@@ -252,37 +357,40 @@ void Plant::set_exchange() noexcept {
     for (std::size_t k = 0; k < powers; ++k) polynomial.c[k] = zero;
   };
   const Vec3<double> zero = Vec3<double>::Zero();
-  reset(exchange_.stored_B, zero);
-  const bool mixed = body_.kind == Body::Kind::mixed;
-  if (mixed) reset(exchange_.torquers_B, zero);
+  reset(held_.stored_B, zero);
+  const bool some_leaves = held_.leaves == Held::Leaves::some;
+  if (some_leaves) reset(held_.outer_B, zero);
   for (int i = 0; i < actuators_.size(); ++i) {
-    const Cubic& c = delivered_[static_cast<std::size_t>(i)];
-    const std::array<double, 5> held{stored_[i] + stored_rest_[i], -length * c[0], -length * c[1] / 2,
-                                     -length * c[2] / 3, -length * c[3] / 4};
-    if (const int j = friction_index_[static_cast<std::size_t>(i)]; j >= 0) {
-      Exchange::FrictionWheel& wheel = exchange_.friction_wheels[static_cast<std::size_t>(j)];
-      wheel.counts = counted_[static_cast<std::size_t>(i)] < 0 ? 0 : 1;
-      wheel.viscous = standing_.test(i) ? 0 : actuators_.actuators().viscous_friction[i];
-      reset(wheel.momentum, 0.0);
-      wheel.momentum.c = held;
+    const auto index = static_cast<std::size_t>(i);
+    const Cubic& c = delivered_[index];
+    const std::array<double, 5> P{stored_[i] + stored_rest_[i], -length * c[0], -length * c[1] / 2, -length * c[2] / 3,
+                                  -length * c[3] / 4};
+    if (in_equations_.test(i)) {
+      reset(held_.impulse[index], 0.0);
+      held_.impulse[index].c = P;
     }
-    const Vec3<double> g = body_.D_B.col(i);
-    const bool torquer = mixed && !actuators_.actuators().is_wheel(i);
+    if (FrictionWheel* const wheel = friction_wheel_[index]; wheel != nullptr) {
+      wheel->counts = counted_[index] < 0 ? 0 : 1;
+      wheel->drag = standing_.test(i) ? 0 : wheel->viscous;
+    }
+    if (!along_.test(i)) continue;
+    const Vec3<double> g = D_B_.col(i);
+    const bool leaves = some_leaves && outer_.test(i);
     for (std::size_t k = 0; k < powers; ++k) {
-      exchange_.stored_B.c[k] += held[k] * g;
-      if (torquer) exchange_.torquers_B.c[k] += held[k] * g;
+      held_.stored_B.c[k] += P[k] * g;
+      if (leaves) held_.outer_B.c[k] += P[k] * g;
     }
   }
 }
 
-/// Puts the impulse of ideal torquers into the body's momentum and begins to count it anew, so that it stays small.
+/// Puts the impulse that leaves along fixed axes into the body's momentum and begins to count it anew, so that it stays small.
 /// Changes the state: only where the integrator has no history.
-void Plant::absorb_torquer_impulse() noexcept {
-  if (body_.kind == Body::Kind::wheels) return;
+void Plant::absorb_outer_impulse() noexcept {
+  if (!outer_.any()) return;
   for (int i = 0; i < actuators_.size(); ++i) {
-    if (actuators_.actuators().is_wheel(i)) continue;
+    if (!outer_.test(i)) continue;
     const double impulse = stored_[i] + stored_rest_[i];
-    for (int axis = 0; axis < 3; ++axis) y_[static_cast<std::size_t>(4 + axis)] -= impulse * body_.D_B(axis, i);
+    for (int axis = 0; axis < 3; ++axis) y_[static_cast<std::size_t>(4 + axis)] -= impulse * D_B_(axis, i);
     stored_[i] = stored_rest_[i] = 0;
   }
 }
@@ -302,9 +410,9 @@ void Plant::take_up_storage(double x) noexcept {
 
 InnerRates Plant::inner_rates() const noexcept {
   Vec3<double> held{y_[4], y_[5], y_[6]};
-  if (body_.kind != Body::Kind::wheels) held = body_.J_B * omega_BN_B_ + torque<double>(body_.D_B, h_w_);
+  if (outer_.any()) held = J_B_ * omega_BN_B_ + torque<double>(D_B_, h_w_);
   const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
-  return {std::sqrt(2 * (omega_BN_B_.squaredNorm() + precession2)), body_.friction_rate};
+  return {std::sqrt(2 * (omega_BN_B_.squaredNorm() + precession2)), friction_rate_};
 }
 
 /// Steps on this length so that none is longer than rk4 may take them.
@@ -326,22 +434,21 @@ double Plant::rk4_steps(double length) const noexcept {
 }
 
 void Plant::integrate(double t1) {
-  const bool friction = !body_.friction_wheels.empty();
   if (euler_body_) {
     const EulerMotion m{*euler_body_, motion()};
-    external_.varies() ? integrate_as<Body::rigid_states, euler_derivative<true>, false>(m, t1)
-                       : integrate_as<Body::rigid_states, euler_derivative<false>, false>(m, t1);
-  } else if (friction) {
+    external_.varies() ? integrate_as<rigid_states, euler_derivative<true>, false>(m, t1)
+                       : integrate_as<rigid_states, euler_derivative<false>, false>(m, t1);
+  } else if (effectors_.coupled()) {
     external_.varies() ? integrate_rigid<true, true>(t1) : integrate_rigid<true, false>(t1);
   } else {
     external_.varies() ? integrate_rigid<false, true>(t1) : integrate_rigid<false, false>(t1);
   }
 }
 
-template <bool friction, bool varying>
+template <bool coupled, bool varying>
 void Plant::integrate_rigid(double t1) {
-  constexpr int capacity = friction ? Body::max_states : Body::rigid_states;
-  integrate_as<capacity, derivative<friction, varying>, true>(motion(), t1);
+  constexpr int capacity = coupled ? max_states : rigid_states;
+  integrate_as<capacity, derivative<coupled, varying>, true>(motion(), t1);
 }
 
 template <int capacity, auto derivative, bool unit_quaternion, class Context>
@@ -365,7 +472,7 @@ void Plant::integrate_as(const Context& m, double t1) {
   const double steps = rk4_steps(t1 - t_);
   const double h = (t1 - t_) / steps;
   for (double k = 0; k < steps; ++k) {
-    rk4_step<capacity>(rhs, t_ + k * h, h, y_.data(), body_.states());
+    rk4_step<capacity>(rhs, t_ + k * h, h, y_.data(), states_);
     if constexpr (unit_quaternion) normalise(y_.data());
   }
   statistics_.steps += static_cast<std::uint64_t>(steps);
@@ -380,7 +487,7 @@ double Plant::pair_towards(const F& rhs, double t, double t1, State& y) {
     const bool whole = t1 - t <= pair_length_;
     const double h = whole ? t1 - t : pair_length_;
     if (!(t + h > t)) throw IntegrationError(t, "auto: the steps shrink to nothing");
-    const double error = pair_step<capacity>(pair_, rhs, t, h, body_.states(), begin.data(), y.data());
+    const double error = pair_step<capacity>(pair_, rhs, t, h, states_, begin.data(), y.data());
     statistics_.rhs_evaluations += DormandPrince::stages;
     const double next = error < 1e-4 ? 5 * h : h * std::clamp(0.9 * std::pow(error, -0.2), 0.2, 5.0);
     if (error > 1) {
@@ -400,7 +507,7 @@ double Plant::look_ahead(double t1, State& y) {
   }
   const Motion m = motion();
   y = y_;
-  const double reached = pair_towards<Body::max_states>(Call{rhs_of_wheels(), &m}, t_, t1, y);
+  const double reached = pair_towards<max_states>(Call{rhs_of_wheels(), &m}, t_, t1, y);
   normalise(y.data());
   return reached;
 }
@@ -409,19 +516,19 @@ double Plant::look_ahead(double t1, State& y) {
 void Plant::single_step(double t1, State& y) {
   const Motion m = motion();
   const Call rhs{rhs_of_wheels(), &m};
-  const int n = body_.states();
+  const int n = states_;
   if (rk4_substeps_ > 0) {
     y = y_;
-    rk4_step<Body::max_states>(rhs, t_, t1 - t_, y.data(), n);
+    rk4_step<max_states>(rhs, t_, t1 - t_, y.data(), n);
     statistics_.rhs_evaluations += 4;
   } else {
-    pair_step<Body::max_states>(pair_, rhs, t_, t1 - t_, n, y_.data(), y.data());
+    pair_step<max_states>(pair_, rhs, t_, t1 - t_, n, y_.data(), y.data());
     statistics_.rhs_evaluations += DormandPrince::stages;
   }
   normalise(y.data());
 }
 
-/// Of a body with friction wheels.
+/// Of a body with effectors in its equations.
 Rhs Plant::rhs_of_wheels() const noexcept {
   return external_.varies() ? &call<derivative<true, true>, Motion> : &call<derivative<true, false>, Motion>;
 }
@@ -445,13 +552,13 @@ void Plant::publish() {
   Vec3<double> Jw{y_[4], y_[5], y_[6]};
   for (int i = 0; i < actuators_.size(); ++i) {
     const double h = momentum(i);
-    Jw -= h * body_.D_B.col(i);
-    if (actuators_.actuators().is_wheel(i)) h_w_[i] = h;
+    if (along_.test(i)) Jw -= h * D_B_.col(i);
+    if (is_wheel(i)) h_w_[i] = h;
   }
-  omega_BN_B_ = exchange_.J_B_inverse * Jw;
+  omega_BN_B_ = held_.J_B_inverse * Jw;
   if (!standing_.any()) return;
   for (int i = 0; i < actuators_.size(); ++i) {
-    if (standing_.test(i)) h_w_[i] = turned_momentum(i, omega_BN_B_);
+    if (standing_.test(i)) h_w_[i] = wheel(i).turned_momentum(omega_BN_B_);
   }
 }
 
@@ -474,19 +581,20 @@ TruthSample Plant::sample() const {
     const Effect e = actuators_.effect(i, t_);
     s.effectiveness[i] = e.effectiveness;
     s.bias[i] = e.bias;
-    s.delivered[i] = turning(i) ? actuators_.delivered(i, t_) + friction(i, speed(i, h_w_[i], omega_BN_B_)) : 0.0;
+    s.delivered[i] = turning(i) ? actuators_.delivered(i, t_) : 0.0;
+    if (is_wheel(i) && turning(i)) s.delivered[i] += friction(i, wheel(i).speed(h_w_[i], omega_BN_B_));
   }
   s.external_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
   if (euler_body_) {
-    const Vec3<double> moment = torque<double>(body_.D_B, s.delivered) + s.external_B;
-    s.omegadot_BN_B = euler_body_->acceleration(euler().angles, omega_BN_B_) + body_.J_B_inverse * moment;
+    const Vec3<double> moment = torque<double>(D_B_, s.delivered) + s.external_B;
+    s.omegadot_BN_B = euler_body_->acceleration(euler().angles, omega_BN_B_) + J_B_inverse_ * moment;
     return s;
   }
-  const Vec3<double> rotating = body_.J_B * omega_BN_B_ + torque<double>(body_.D_B, h_w_);
-  const Vec3<double> moment = torque<double>(body_.D_B, s.delivered) + s.external_B - omega_BN_B_.cross(rotating);
-  s.omegadot_BN_B = exchange_.J_B_inverse * moment;
+  const Vec3<double> rotating = J_B_ * omega_BN_B_ + torque<double>(D_B_, h_w_);
+  const Vec3<double> moment = torque<double>(D_B_, s.delivered) + s.external_B - omega_BN_B_.cross(rotating);
+  s.omegadot_BN_B = held_.J_B_inverse * moment;
   for (int i = 0; i < n && commanded_; ++i) {
-    if (standing_.test(i)) s.delivered[i] = -turned_momentum(i, s.omegadot_BN_B);
+    if (standing_.test(i)) s.delivered[i] = -wheel(i).turned_momentum(s.omegadot_BN_B);
   }
   return s;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  What really flies: body, faulty actuators, disturbances and integrator behind one face.
+/// @file  What really flies: body, faulty actuators, effectors, disturbances and integrator behind one face.
 ///
 /// A command is held from sample to sample. Each interval is split at fault and disturbance switches, so no smooth
 /// piece straddles one; switches within 1e-9 s of a sample are moved onto it. A wheel that reaches or leaves its
@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "gyrostat/truth/cubic.hpp"
+#include "gyrostat/truth/actuators.hpp"
 #include "gyrostat/truth/euler_body.hpp"
 #include "gyrostat/truth/integrator.hpp"
 
@@ -16,9 +16,10 @@ namespace gyrostat::truth {
 
 /// The true vehicle and what happens to it.
 struct PlantModel {
-  Mat3<double> J_B = Mat3<double>::Identity();  ///< kg m^2; with wheels: total inertia less sum Js g g'
+  Mat3<double> J_B = Mat3<double>::Identity();  ///< kg m^2, total inertia less what effectors take (wheels: Js g g')
   Mat3N<double> D_B{3, 0};                      ///< actuator axes in columns
   Actuators actuators = Actuators::ideal(0);
+  Effectors effectors;  ///< what moves beside the wheels and torquers of `actuators`, or is driven in their place
   std::vector<Fault> faults;
   std::vector<Disturbance> disturbances;
   double orbit_rate = 0;                        ///< rad/s, for gravity_gradient and the Euler-angle model
@@ -90,7 +91,8 @@ class Plant {
   InnerRates inner_rates() const noexcept;
 
  private:
-  using State = std::array<double, Body::max_states>;
+  static constexpr int max_states = rigid_states + max_actuators * Effectors::most_states;
+  using State = std::array<double, static_cast<std::size_t>(max_states)>;
 
   /// Wheels that are no longer what they were when the piece began, and why.
   struct Passed {
@@ -104,13 +106,14 @@ class Plant {
   };
 
   std::uint64_t steps() const noexcept { return cvode_ ? cvode_->steps() : statistics_.steps; }
+  void list_effectors();
   void limit_work(double t) const;
   void enter_piece();
   void step_towards(double stop);
   double smooth_end(double stop) const noexcept;
   double first_kink(double t1) const noexcept;
   void fit_delivered(double t1) noexcept;
-  void set_exchange() noexcept;
+  void hold() noexcept;
 
   void settle_wheels() noexcept;
   void settle_standing() noexcept;
@@ -122,8 +125,8 @@ class Plant {
   double rk4_steps(double length) const noexcept;
   void integrate(double t1);
   double integrate_watching(double t1);
-  bool looks_ahead() const noexcept { return watched_.any() && !body_.friction_wheels.empty(); }
-  template <bool friction, bool varying>
+  bool looks_ahead() const noexcept { return watched_.any() && effectors_.coupled(); }
+  template <bool coupled, bool varying>
   void integrate_rigid(double t1);
   template <int capacity, auto derivative, bool unit_quaternion, class Context>
   void integrate_as(const Context& context, double t1);
@@ -132,14 +135,14 @@ class Plant {
   double look_ahead(double t1, State& y);
   void single_step(double t1, State& y);
   Rhs rhs_of_wheels() const noexcept;
-  void absorb_torquer_impulse() noexcept;
+  void absorb_outer_impulse() noexcept;
   void take_up_storage(double x) noexcept;
   void publish();
 
   /// N m s now, of wheel i without what turns with the body when it stands; the impulse that torquer i has given away.
   double momentum(int i) const noexcept {
     const int j = counted_[static_cast<std::size_t>(i)];
-    const double taken = j < 0 ? 0.0 : y_[static_cast<std::size_t>(Body::rigid_states + j)];
+    const double taken = j < 0 ? 0.0 : y_[static_cast<std::size_t>(j)];
     return stored_[i] + stored_rest_[i] + taken;
   }
   // At (t - t_) / length_ = x of the present piece, in state y.
@@ -147,15 +150,22 @@ class Plant {
   Vec3<double> rate(double x, const State& y) const noexcept;
   Vec3<double> moment(double x, const State& y, const Vec3<double>& omega_BN_B) const noexcept;
 
-  double turned_momentum(int i, const Vec3<double>& omega_BN_B) const noexcept;
-  double speed(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept;
-  double speed_parts(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept;
+  const Wheel& wheel(int i) const noexcept { return *wheel_[static_cast<std::size_t>(i)]; }
+  bool is_wheel(int i) const noexcept { return wheel_[static_cast<std::size_t>(i)] != nullptr; }
   double friction(int i, double speed) const noexcept;
   double inward(int i, int side, double drive, double speed) const noexcept;
   bool turning(int i) const noexcept { return !full_.test(i) && !standing_.test(i); }
-  Motion motion() const noexcept { return {body_, external_, exchange_}; }
+  Motion motion() const noexcept { return {effectors_, external_, held_}; }
 
-  Body body_;
+  Mat3<double> J_B_, J_B_inverse_;
+  Mat3N<double> D_B_;
+  Effectors effectors_;
+  int states_ = rigid_states;
+  Mask in_equations_;   ///< channels of effectors in the right-hand side
+  Mask along_, outer_;  ///< channels whose impulse goes along a fixed axis; of these, those that leave the vehicle
+  double friction_rate_ = 0;                         ///< 1/s, at which the quickest speed dies out in viscous friction
+  std::array<const Wheel*, max_actuators> wheel_{};  ///< by channel, into effectors_
+  std::array<FrictionWheel*, max_actuators> friction_wheel_{};
   std::optional<EulerBody> euler_body_;
   FaultyActuators actuators_;
   Disturbances external_;
@@ -181,8 +191,8 @@ class Plant {
   int degree_ = 0;
   std::array<Cubic, max_actuators> delivered_{};  ///< N m, in (t - t_) / length_, without viscous friction
   std::array<Cubic, max_actuators> drive_{};      ///< of watched wheels, also without dry friction and momentum limit
-  Exchange exchange_;
-  std::array<int, max_actuators> friction_index_{};  ///< into the friction states; -1: none
+  Held held_;
+  std::array<int, max_actuators> friction_index_{};  ///< into the state; -1: none
   std::array<int, max_actuators> counted_{};         ///< the same; -1 also while what friction takes is no part of h_w
 
   // Wheels with a momentum limit or dry friction. On a piece each of them turns, or

@@ -22,54 +22,36 @@ int sign(double x) noexcept { return x > 0 ? 1 : (x < 0 ? -1 : 0); }
 
 // ---- momenta, speeds, torques ------------------------------------------------------------------------------------------
 
-/// N m s, of wheel i when it stands in its bearing at this rate; N m to keep it standing at this acceleration.
-double Plant::turned_momentum(int i, const Vec3<double>& omega_BN_B) const noexcept {
-  return actuators_.actuators().wheel_inertia[i] * body_.D_B.col(i).dot(omega_BN_B);
-}
-
 /// N m s, of wheel i, all of it; the impulse that torquer i has given away.
 double Plant::momentum(int i, double x, const State& y, const Vec3<double>& omega_BN_B) const noexcept {
-  if (standing_.test(i)) return turned_momentum(i, omega_BN_B);
+  if (standing_.test(i)) return wheel(i).turned_momentum(omega_BN_B);
   const int j = counted_[static_cast<std::size_t>(i)];
-  const double taken = j < 0 ? 0.0 : y[static_cast<std::size_t>(Body::rigid_states + j)];
+  const double taken = j < 0 ? 0.0 : y[static_cast<std::size_t>(j)];
   return stored_[i] + stored_rest_[i] - length_ * integral(delivered_[static_cast<std::size_t>(i)], x) + taken;
-}
-
-/// rad/s, of wheel i relative to the body.
-double Plant::speed(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept {
-  const double inertia = actuators_.actuators().wheel_inertia[i];
-  return inertia > 0 ? momentum / inertia - body_.D_B.col(i).dot(omega_BN_B) : 0.0;
-}
-
-/// rad/s, sum of the two parts of that.
-double Plant::speed_parts(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept {
-  return std::abs(momentum) / actuators_.actuators().wheel_inertia[i] + std::abs(body_.D_B.col(i).dot(omega_BN_B));
 }
 
 /// N m on the body, of the bearing of a turning wheel.
 double Plant::friction(int i, double speed) const noexcept {
-  const Actuators& a = actuators_.actuators();
-  return a.viscous_friction[i] * speed + a.coulomb_friction[i] * direction_[static_cast<std::size_t>(i)];
+  return wheel(i).viscous * speed + wheel(i).coulomb * direction_[static_cast<std::size_t>(i)];
 }
 
 Vec3<double> Plant::rate(double x, const State& y) const noexcept {
   Vec3<double> Jw{y[4], y[5], y[6]};
   for (int i = 0; i < actuators_.size(); ++i) {
-    if (!standing_.test(i)) Jw -= momentum(i, x, y, {}) * body_.D_B.col(i);
+    if (!standing_.test(i)) Jw -= momentum(i, x, y, {}) * D_B_.col(i);
   }
-  return exchange_.J_B_inverse * Jw;
+  return held_.J_B_inverse * Jw;
 }
 
 /// N m, all that turns the body and the wheels that stand in it.
 Vec3<double> Plant::moment(double x, const State& y, const Vec3<double>& omega_BN_B) const noexcept {
-  const Actuators& a = actuators_.actuators();
-  Vec3<double> rotating = body_.J_B * omega_BN_B, sum = Vec3<double>::Zero();
+  Vec3<double> rotating = J_B_ * omega_BN_B, sum = Vec3<double>::Zero();
   for (int i = 0; i < actuators_.size(); ++i) {
-    const Vec3<double> g = body_.D_B.col(i);
+    const Vec3<double> g = D_B_.col(i);
     const double h = momentum(i, x, y, omega_BN_B);
-    if (a.is_wheel(i)) rotating += h * g;
+    if (is_wheel(i)) rotating += h * g;
     if (!turning(i)) continue;
-    const double viscous = a.viscous_friction[i] * speed(i, h, omega_BN_B);
+    const double viscous = is_wheel(i) ? wheel(i).viscous * wheel(i).speed(h, omega_BN_B) : 0.0;
     sum += (value(delivered_[static_cast<std::size_t>(i)], x) + viscous) * g;
   }
   const Quat<double> q_NB(y[0], y[1], y[2], y[3]);
@@ -80,9 +62,8 @@ Vec3<double> Plant::moment(double x, const State& y, const Vec3<double>& omega_B
 /// @param side  sign of the momentum; zero at a limit of zero, which is never left
 double Plant::inward(int i, int side, double drive, double speed) const noexcept {
   if (side == 0) return -1;
-  const Actuators& a = actuators_.actuators();
   const int direction = direction_[static_cast<std::size_t>(i)];
-  const double dry = a.coulomb_friction[i], viscous = a.viscous_friction[i] * speed;
+  const double dry = wheel(i).coulomb, viscous = wheel(i).viscous * speed;
   const double torque = side * (drive + viscous) + (direction == 0 ? -dry : side * direction * dry);
   return torque == 0 ? 0 : torque / (std::abs(drive) + std::abs(viscous) + dry);
 }
@@ -92,14 +73,13 @@ double Plant::inward(int i, int side, double drive, double speed) const noexcept
 /// Decides it where the piece begins, from momenta, speeds and drives there. A wheel that rests, at its limit or in its
 /// bearing, has exactly the momentum of the limit or of the body; what it held otherwise is stored when it turns again.
 void Plant::settle_wheels() noexcept {
-  const Actuators& a = actuators_.actuators();
   const Vec3<double> w = looks_ahead() ? rate(0, y_) : omega_BN_B_;
   const bool stood = standing_.any();
   for (int i = 0; i < actuators_.size(); ++i) {
     if (!watched_.test(i)) continue;
     const auto index = static_cast<std::size_t>(i);
-    const double h = momentum(i, 0, y_, w), limit = a.momentum_max[i], dry = a.coulomb_friction[i];
-    const double v = speed(i, h, w), parts = speed_parts(i, h, w);
+    const double h = momentum(i, 0, y_, w), limit = wheel(i).momentum_max, dry = wheel(i).coulomb;
+    const double v = wheel(i).speed(h, w), parts = wheel(i).speed_parts(h, w);
     drive_[index] = delivered_[index];
     direction_[index] = passed_.stopped.test(i) || std::abs(v) <= at_rest * parts ? 0 : sign(v);
     const bool at_limit = passed_.filled.test(i) || std::abs(h) >= limit;
@@ -123,23 +103,21 @@ void Plant::settle_wheels() noexcept {
 
 /// Which of the wheels at rest in their bearings stay there; the others begin to turn.
 void Plant::settle_standing() noexcept {
-  const Actuators& a = actuators_.actuators();
   add_standing_inertia();
   const Vec3<double> w = rate(0, y_);
   Standstill at_rest_now;
   for (int i = 0; i < actuators_.size(); ++i) {
     if (!standing_.test(i)) continue;
-    at_rest_now.add(
-        {i, body_.D_B.col(i), a.wheel_inertia[i], drive_[static_cast<std::size_t>(i)][0], a.coulomb_friction[i]});
+    at_rest_now.add({i, D_B_.col(i), wheel(i).inertia, drive_[static_cast<std::size_t>(i)][0], wheel(i).coulomb});
   }
-  at_rest_now.settle(body_.J_B, moment(0, y_, w));
+  at_rest_now.settle(J_B_, moment(0, y_, w));
   for (int k = 0; k < at_rest_now.count; ++k) {
     const StandingWheel& wheel = at_rest_now.wheels[static_cast<std::size_t>(k)];
     const auto index = static_cast<std::size_t>(wheel.actuator);
     delivered_[index] = {};
     if (wheel.direction == 0) continue;
     standing_.set(wheel.actuator, false);
-    store(wheel.actuator, turned_momentum(wheel.actuator, w));
+    store(wheel.actuator, this->wheel(wheel.actuator).turned_momentum(w));
     direction_[index] = wheel.direction;
     delivered_[index] = drive_[index];
     delivered_[index][0] += wheel.dry * wheel.direction;
@@ -148,21 +126,20 @@ void Plant::settle_standing() noexcept {
 }
 
 void Plant::add_standing_inertia() noexcept {
-  exchange_.J_B_inverse = body_.J_B_inverse;
+  held_.J_B_inverse = J_B_inverse_;
   if (!standing_.any()) return;
-  Mat3<double> J = body_.J_B;
+  Mat3<double> J = J_B_;
   for (int i = 0; i < actuators_.size(); ++i) {
-    const Vec3<double> g = body_.D_B.col(i);
-    if (standing_.test(i)) J += actuators_.actuators().wheel_inertia[i] * g * g.transpose();
+    if (standing_.test(i)) J += wheel(i).inertia_B();
   }
-  exchange_.J_B_inverse = J.inverse();
+  held_.J_B_inverse = J.inverse();
 }
 
 /// Gives a wheel this momentum, beside what turns with the body when it stands.
 void Plant::store(int i, double momentum) noexcept {
   const auto index = static_cast<std::size_t>(i);
   const int j = counted_[index] = turning(i) ? friction_index_[index] : -1;
-  const double taken = j < 0 ? 0.0 : y_[static_cast<std::size_t>(Body::rigid_states + j)];
+  const double taken = j < 0 ? 0.0 : y_[static_cast<std::size_t>(j)];
   stored_[i] = momentum - taken;
   stored_rest_[i] = momentum - stored_[i] - taken;
 }
@@ -170,17 +147,16 @@ void Plant::store(int i, double momentum) noexcept {
 // ---- when that ends ----------------------------------------------------------------------------------------------------
 
 Plant::Passed Plant::passed(double t, const State& y) const noexcept {
-  const Actuators& a = actuators_.actuators();
   const double x = (t - t_) / length_;
   const Vec3<double> w = looks_ahead() ? rate(x, y) : omega_BN_B_;
   Vec3<double> turn = Vec3<double>::Zero();
-  if (standing_.any()) turn = exchange_.J_B_inverse * moment(x, y, w);
+  if (standing_.any()) turn = held_.J_B_inverse * moment(x, y, w);
   Passed out;
   for (int i = 0; i < actuators_.size(); ++i) {
     if (!watched_.test(i)) continue;
     const auto index = static_cast<std::size_t>(i);
-    const double h = momentum(i, x, y, w), limit = a.momentum_max[i], dry = a.coulomb_friction[i];
-    const double drive = value(drive_[index], x), v = speed(i, h, w), parts = speed_parts(i, h, w);
+    const double h = momentum(i, x, y, w), limit = wheel(i).momentum_max, dry = wheel(i).coulomb;
+    const double drive = value(drive_[index], x), v = wheel(i).speed(h, w), parts = wheel(i).speed_parts(h, w);
     const int direction = direction_[index];
     if (full_.test(i)) {
       if (limit == 0) continue;
@@ -191,7 +167,7 @@ Plant::Passed Plant::passed(double t, const State& y) const noexcept {
     }
     out.look(out.filled, i, std::abs(h) / limit - 1 - rounding);
     if (standing_.test(i)) {
-      const double needed = std::abs(drive + turned_momentum(i, turn));
+      const double needed = std::abs(drive + wheel(i).turned_momentum(turn));
       out.look(out.loosened, i, (needed - dry) / (std::abs(drive) + dry) - rounding);
     } else if (dry > 0) {
       out.look(out.stopped, i, -direction * v / parts - at_rest);
