@@ -2,6 +2,7 @@
 /// @file  A scenario's table turned into the objects of a run, every number checked on the way.
 #pragma once
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "gyrostat/host/blocks.hpp"
@@ -9,13 +10,16 @@
 #include "gyrostat/host/recorder.hpp"
 #include "gyrostat/host/reference.hpp"
 #include "gyrostat/host/simulate.hpp"
-#include "gyrostat/truth/plant.hpp"
-#include "gyrostat/truth/sensors.hpp"
+#include "gyrostat/truth/euler_plant.hpp"
+#include "gyrostat/truth/rigid_plant.hpp"
 
 namespace gyrostat::host {
 
 using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator>;
 using Shadow = Estimator<AnyObserver, AnyDetector>;
+
+/// The models that fly. A run visits it once.
+using AnyPlant = std::variant<truth::RigidPlant, truth::EulerPlant>;
 
 /// A component as a scenario names it.
 struct ComponentSpec {
@@ -40,6 +44,9 @@ struct Assembly {
 
 /// Reads and cross-checks. Throws std::invalid_argument.
 Assembly assemble(const Table& scenario);
+
+/// Throws std::invalid_argument for what does not fit the model.
+AnyPlant make_plant(const Assembly& a);
 
 /// Estimates by role: those that the observer makes and those that the others use. Nothing is known of a component from
 /// outside the catalogue: its role is left out.

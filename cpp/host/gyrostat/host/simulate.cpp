@@ -119,9 +119,10 @@ class ProgressClock {
 };
 
 /// Everything that looks on while the loop flies: shadows, recorder, events, progress.
+template <truth::Plant Plant>
 class Watcher {
  public:
-  Watcher(const Assembly& a, const truth::Plant& plant, const Stack& stack, std::vector<Shadow>& shadows,
+  Watcher(const Assembly& a, const Plant& plant, const Stack& stack, std::vector<Shadow>& shadows,
           const std::vector<Reported>& components, Recorder* recorder, std::size_t every,
           std::function<void(double)> progress)
       : plant_(plant),
@@ -134,14 +135,12 @@ class Watcher {
         clock_(std::move(progress), a.ticks),
         moment_(a.vehicles, plant),
         previous_(recorder != nullptr && recorder->needs_previous()) {
-    u_held_ = VecN<double>::Zero(a.setup.vehicle.actuators());
-    omega_before_ = plant.omega_BN_B();
-    h_w_before_ = plant.h_w();
-    if (plant.flies_euler()) angles_before_ = plant.euler().angles;
+    moment_.u_held = VecN<double>::Zero(a.setup.vehicle.actuators());
+    moment_.before = plant.sample();
   }
 
   void before(const Measurement<double>&, const Allocation<double>& last) {
-    if (previous_ && !first_) u_held_ = last.u;
+    if (previous_ && !first_) moment_.u_held = last.u;
     first_ = false;
     if (!shadows_.empty()) last_ = last;
   }
@@ -153,32 +152,24 @@ class Watcher {
     }
     shadows_started_ = stack_.started();
     events_.look(plant_.time(), stack_.detection(), ref, stack_.actions());
+    moment_.advance(plant_.time());
     if (recorder_ != nullptr && (k % every_ == 0 || k == ticks_)) {
-      moment_.advance(plant_.time());
       moment_.y = &y;
       moment_.ref = &ref;
       moment_.x = &stack_.estimate();
       moment_.det = &stack_.detection();
       moment_.demand = &stack_.demand();
       moment_.last = &stack_.last();
-      moment_.u_held = &u_held_;
-      moment_.omega_before_B = &omega_before_;
-      moment_.h_w_before = &h_w_before_;
-      moment_.angles_before = &angles_before_;
       recorder_->record(moment_);
     }
-    if (previous_) {
-      omega_before_ = plant_.omega_BN_B();
-      h_w_before_ = plant_.h_w();
-      if (plant_.flies_euler()) angles_before_ = plant_.euler().angles;
-    }
+    if (previous_) moment_.before = moment_.now();
     clock_.look(k);
   }
 
   std::vector<Event> take_events() && { return std::move(events_).take(); }
 
  private:
-  const truth::Plant& plant_;
+  const Plant& plant_;
   const Stack& stack_;
   std::vector<Shadow>& shadows_;
   Recorder* recorder_;
@@ -189,9 +180,6 @@ class Watcher {
   Moment moment_;
   bool previous_, first_ = true, shadows_started_ = false;
   Allocation<double> last_;  ///< issued over the interval just ended
-  VecN<double> u_held_, h_w_before_;
-  Vec3<double> omega_before_;
-  Vec3<double> angles_before_ = Vec3<double>::Zero();
 };
 
 struct Parts {
@@ -267,9 +255,8 @@ void reserve(Recorder& recorder, const Assembly& a, const RunOptions& options) {
   }
 }
 
-/// Euler angles cost more than the rest of the measurement: filled for Euler laws, or when somebody records them.
-bool wants_euler(const Assembly& a, const RunOptions& options) {
-  if (a.setup.vehicle.coordinates == Coordinates::euler_angles) return true;
+/// Euler angles cost more than the rest of the measurement of a body: filled when somebody records them.
+bool wants_euler(const RunOptions& options) {
   return std::any_of(options.channels.begin(), options.channels.end(),
                      [](const std::string& name) { return name.starts_with("measurement."); });
 }
@@ -297,7 +284,7 @@ std::string text_of(const GuardActions& did) {
 
 std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& external) {
   const Assembly a = assemble(scenario);
-  (void)truth::Plant(a.plant, a.initial, a.setup.dt);
+  (void)make_plant(a);
   (void)ReferencePath(a.reference, a.setup.dt);
   return check_components(a, external);
 }
@@ -308,7 +295,7 @@ std::vector<std::pair<std::string, Estimates>> estimate_flow(const Table& scenar
 
 truth::InnerRates inner_rates(const Table& scenario) {
   const Assembly a = assemble(scenario);
-  return truth::Plant(a.plant, a.initial, a.setup.dt).inner_rates();
+  return std::visit([](const auto& plant) { return plant.inner_rates(); }, make_plant(a));
 }
 
 std::vector<ChannelInfo> channels(const Table& scenario, const ExternalComponents& external) {
@@ -337,11 +324,11 @@ Table resolve(const Table& scenario, const ExternalComponents&) {
   return out;
 }
 
-RunResult simulate(const Table& scenario, const ExternalComponents& external, const RunOptions& given) {
-  const Assembly a = assemble(scenario);
-  const RunOptions options = with_record_block(given, a.record);
-  truth::Plant plant(a.plant, a.initial, a.setup.dt);
-  truth::Sensors sensors(a.sensors, a.run.seed, 0, wants_euler(a, options), a.setup.dt);
+namespace {
+
+RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalComponents& external,
+                const RunOptions& options) {
+  truth::Sensors sensors(a.sensors, a.run.seed, 0, wants_euler(options), a.setup.dt);
   ReferencePath reference(a.reference, a.setup.dt);
   Parts parts(a, external);
   std::optional<Recorder> recorder;
@@ -362,6 +349,15 @@ RunResult simulate(const Table& scenario, const ExternalComponents& external, co
     result.channels = std::move(*recorder).take();
   }
   return result;
+}
+
+}  // namespace
+
+RunResult simulate(const Table& scenario, const ExternalComponents& external, const RunOptions& given) {
+  const Assembly a = assemble(scenario);
+  const RunOptions options = with_record_block(given, a.record);
+  AnyPlant plant = make_plant(a);
+  return std::visit([&](auto& p) { return flown(a, p, external, options); }, plant);
 }
 
 }  // namespace gyrostat::host

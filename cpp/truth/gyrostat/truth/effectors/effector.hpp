@@ -34,13 +34,19 @@ struct Scene {
 
 namespace detail {
 /// Part of the right-hand side itself, with its own states y. What leaves the vehicle also says which external torque is
-/// left when its momentum is counted.
+/// left when its momentum is counted; what holds momentum beside its axis, how that changes (P' and y' at hand).
 template <class E>
 concept Coupled = requires(const E& e, const Scene& s, double P, const double* y, double* ydot) {
   { e.momentum_B(s, P, y) } noexcept -> std::same_as<Vec3<double>>;  // without the part along its axis
   { e.rates(s, P, y, ydot) } noexcept;
+  requires E::states == 0 || requires {
+    { e.start(s, ydot) } noexcept;  // its states at the start
+  };
   requires E::storage == Storage::inner || requires {
     { e.torque_B(s, P, y) } noexcept -> std::same_as<Vec3<double>>;
+  };
+  requires E::along_axis || requires {
+    { e.momentum_rate_B(s, P, P, y, y) } noexcept -> std::same_as<Vec3<double>>;
   };
 };
 }  // namespace detail
@@ -63,11 +69,9 @@ template <Effector... E>
 class EffectorList {
  public:
   static constexpr int most_states = std::max({0, E::states...});  ///< of one effector
-  /// Some kind that leaves the vehicle is part of the right-hand side.
-  static constexpr bool coupled_outer = ((detail::Coupled<E> && E::storage == Storage::outer) || ...);
 
-  /// Some kind holds momentum that is not along the fixed axis of a channel.
-  static constexpr bool beside_axes = (!E::along_axis || ...);
+  /// Whether some kind is so.
+  static constexpr bool any(auto is) { return (is.template operator()<E>() || ...); }
 
   template <class T>
   void add(T effector) {

@@ -2,7 +2,7 @@
 /// @file  Reaction wheels: momentum P along a fixed axis, exchanged with the body.
 ///
 /// A wheel may have a momentum limit and dry friction: then it turns, stands in its bearing or is full, which is decided piece
-/// by piece (plant_wheels.cpp). Dry friction is constant while it turns one way, and so part of the impulse.
+/// by piece (rigid_plant_definitions.hpp). Dry friction is constant while it turns one way, and so part of the impulse.
 #pragma once
 #include <cmath>
 
@@ -46,6 +46,7 @@ struct FrictionWheel : Wheel {
   double counts = 1;  ///< 0 while it stands or is full: what friction takes is no part of its momentum
   double drag = 0;    ///< N m s/rad; 0 while it stands
 
+  void start(const Scene&, double* y) const noexcept { y[0] = 0; }
   Vec3<double> momentum_B(const Scene&, double, const double* y) const noexcept { return counts * y[0] * axis_B; }
   void rates(const Scene& s, double P, const double* y, double* ydot) const noexcept {
     ydot[0] = -drag * speed(P + counts * y[0], s.omega_BN_B);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  The other body: the Euler-angle model that a family of publications prints for a satellite on a circular orbit.
+/// @file  The other plant: the Euler-angle model that a family of publications prints for a satellite on a circular orbit.
 ///
 ///     chi_a' = chi_b,   J chi_b' = J g(chi_a, chi_b) + D delivered + d
 ///
@@ -14,9 +14,7 @@
 /// Source: Cao, Gong, Xue, Wen 2023, eq. (1); the terms that are misprinted there follow from the pattern of the first row.
 /// State and actuators are those of momentum_form.hpp: y = [ chi_a, 0, H ], H = J chi_b + D p.
 #pragma once
-#include <cmath>
-
-#include "gyrostat/truth/momentum_form.hpp"
+#include "gyrostat/truth/held_plant.hpp"
 
 namespace gyrostat::truth {
 
@@ -36,26 +34,24 @@ class EulerBody {
   double orbit_rate_;
 };
 
-/// All that its right-hand side needs.
-struct EulerMotion {
-  const EulerBody& euler;
-  Motion motion;
-};
+class EulerPlant final : public HeldPlant {
+ public:
+  /// `initial.euler` instead of the quaternion; `omega_BN_B` are Euler rates, here and in everything that is seen of it.
+  /// @throws std::invalid_argument with one line that says what does not fit: products of inertia, or a wheel
+  EulerPlant(PlantModel model, const InitialState& initial, double dt);
 
-/// y' of the state y at time t. `varying`: external torque depends on time or state.
-template <bool varying>
-void euler_derivative(const EulerMotion& m, double t, const double* y, double* ydot) noexcept {
-  const Vec3<double> angles{y[0], y[1], y[2]}, H{y[4], y[5], y[6]};
-  const Vec3<double> Jw = H - m.motion.held.stored_B(t);
-  const Vec3<double> rates = m.motion.held.J_B_inverse * Jw;
-  Vec3<double> d_B = m.motion.external.constant_B();
-  if constexpr (varying) d_B = m.motion.external.torque_B(t, Quat<double>::Identity(), rates);
-  const Vec3<double> Hdot = m.euler.J_B() * m.euler.acceleration(angles, rates) + d_B;
-  for (int i = 0; i < 3; ++i) {
-    ydot[i] = rates[i];
-    ydot[4 + i] = Hdot[i];
-  }
-  ydot[3] = 0;
-}
+  /// The gyro shows the Euler rates, the attitude sensor's error adds to the angles.
+  Measurement<double> measure(Sensors& sensors) const;
+  TruthSample sample() const;
+  /// Angles are states.
+  static Vec3<double> angle_difference(const Vec3<double>& a, const Vec3<double>& b) noexcept { return a - b; }
+
+ private:
+  double fly_piece(double t1) override;
+  void publish() override;
+  Vec3<double> angles() const noexcept { return {y_[0], y_[1], y_[2]}; }
+
+  EulerBody body_;
+};
 
 }  // namespace gyrostat::truth
