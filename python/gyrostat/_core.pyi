@@ -664,5 +664,6 @@ def window_rms(
     Root of the mean over [t0, t1] of sum_i x_i^2.
     """
 
+__compiler__: str = "12.2.0"
 __version__: str = "0.1.0"
 default_rank_tolerance: float = 0.01
