@@ -67,10 +67,10 @@ auto erased(const Assembly& a) { return host::make_stack(a, {}); }
 
 template <class Stack, class Watcher = host::NobodyWatches>
 host::RunEnd run(const Assembly& a, Stack& stack, Watcher&& watcher = Watcher{}) {
-  truth::Plant plant(a.plant, a.initial, a.setup.dt);
+  host::AnyPlant any = host::make_plant(a);
   truth::Sensors sensors(a.sensors, a.run.seed, 0);
   host::ReferencePath reference(a.reference, a.setup.dt);
-  return host::fly(plant, sensors, reference, stack, a.ticks, watcher);
+  return std::visit([&](auto& plant) { return host::fly(plant, sensors, reference, stack, a.ticks, watcher); }, any);
 }
 
 /// Every input of the stack in a closed loop.

@@ -38,7 +38,7 @@ Table measures() {
 void bare(benchmark::State& state, const char* stack, double dt) {
   const host::Assembly a = host::assemble(scenario(stack, dt));
   for (auto _ : state) {
-    truth::Plant plant(a.plant, a.initial, a.setup.dt);
+    truth::RigidPlant plant(a.plant, a.initial, a.setup.dt);
     truth::Sensors sensors(a.sensors, a.run.seed, 0, false, a.setup.dt);
     host::ReferencePath reference(a.reference, a.setup.dt);
     host::Stack loop = host::make_stack(a, {});

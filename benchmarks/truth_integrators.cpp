@@ -18,25 +18,26 @@ using namespace gyrostat;
 using namespace gyrostat::truth;
 
 /// Faults and disturbance of Li et al. 2018, section 5, on ideal torquers.
-Plant run_li2018(const Integrator& integrator, double dt) {
+RigidPlant run_li2018(const Integrator& integrator, double dt) {
   constexpr double a = 0.25e-3, half_pi = std::numbers::pi / 2;
   PlantModel m = test::torquers(integrator);
   m.actuators.u_lo.setConstant(-0.25);
   m.actuators.u_up.setConstant(0.25);
-  m.faults = {LossOfEffectiveness{.actuator = 0, .t_on = 10, .remaining = 0.5},
-              LossOfEffectiveness{.actuator = 1, .remaining = SquareWave{.low = 0.6, .high = 0.85, .period = 100}},
-              LossOfEffectiveness{.actuator = 2, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
-              LossOfEffectiveness{.actuator = 3, .t_on = 10, .remaining = 0.2},
-              Bias{.actuator = 1, .torque = 0.008},
-              Bias{.actuator = 2, .torque = SineWave{0, 0.05, 1, 0}},
-              Bias{.actuator = 3, .torque = 0.005}};
+  m.faults = {
+      LossOfEffectiveness{.window = {.actuator = 0, .t_on = 10}, .remaining = 0.5},
+      LossOfEffectiveness{.window = {.actuator = 1}, .remaining = SquareWave{.low = 0.6, .high = 0.85, .period = 100}},
+      LossOfEffectiveness{.window = {.actuator = 2}, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
+      LossOfEffectiveness{.window = {.actuator = 3, .t_on = 10}, .remaining = 0.2},
+      Bias{.window = {.actuator = 1}, .torque = 0.008},
+      Bias{.window = {.actuator = 2}, .torque = SineWave{0, 0.05, 1, 0}},
+      Bias{.window = {.actuator = 3}, .torque = 0.005}};
   m.disturbances = {RatePhaseTorque{.gain = 10,
                                     .offset_B = a * Vec3<double>{-8, 12, 9},
                                     .axis = {0, 0, 1, 1, 2, 2},
                                     .amplitude = {2 * a, 3 * a, -1.5 * a, 3 * a, 3 * a, -6 * a},
                                     .multiple = {10, 3, 2, 5, 10, 4},
                                     .phase = {half_pi, 0, 0, half_pi, 0, 0}}};
-  Plant plant(m, {quat_from_mrp<double>({-0.1579, 0.1368, 0.0947}), Vec3<double>::Zero(), {}}, dt);
+  RigidPlant plant(m, {quat_from_mrp<double>({-0.1579, 0.1368, 0.0947}), Vec3<double>::Zero(), {}}, dt);
   const auto samples = static_cast<Tick>(200 / dt);
   for (Tick k = 0; k < samples; ++k)
     plant.advance(-1.2 * project(m.D_B, test::small_mrp(plant.q_NB())) - 4.5 * project(m.D_B, plant.omega_BN_B()));
@@ -47,12 +48,12 @@ struct Row {
   std::string name;
   Integrator integrator;
   double dt;
-  Plant (*run)(const Integrator&, double);
+  RigidPlant (*run)(const Integrator&, double);
   bool has_end_state;
   double best = std::numeric_limits<double>::infinity();
 };
 
-void report(const Row& row, const Plant& plant) {
+void report(const Row& row, const RigidPlant& plant) {
   const double samples = 200 / row.dt;
   const IntegratorStatistics s = plant.statistics();
   std::printf("%-34s %9.3f us %8.2f rhs", row.name.c_str(), 1e6 * row.best / samples,

@@ -147,12 +147,14 @@ class Experiment:
     """
 
     def __init__(self, scenario: Scenario, *, vary: Sequence[str] = (), measure: Measures | None = None) -> None:
-        if not isinstance(scenario, Scenario):
-            raise InputError(f"{shown(scenario)} is a {type(scenario).__name__}; a Scenario belongs here")
-        if isinstance(vary, str) or not all(isinstance(path, str) for path in vary):
-            raise InputError(f"vary: {shown(vary)} is no list of paths; write ['initial.mrp']")
+        base: Any = scenario
+        paths: Any = vary
+        if not isinstance(base, Scenario):
+            raise InputError(f"{shown(base)} is a {type(base).__name__}; a Scenario belongs here")
+        if isinstance(paths, str) or not all(isinstance(path, str) for path in paths):
+            raise InputError(f"vary: {shown(paths)} is no list of paths; write ['initial.mrp']")
         components = scenario.python_components()
-        measures = usual_measures(scenario.duration) if measure is None else measure
+        measures: Any = usual_measures(scenario.duration) if measure is None else measure
         if not isinstance(measures, Mapping):
             raise InputError(f"measure: {shown(measures)} is no table of metrics by name")
         tables = {str(name): dict(m) if isinstance(m, Mapping) else m for name, m in measures.items()}
@@ -206,9 +208,8 @@ class Experiment:
             Values of another shape.
         """
         rows = self._rows(values, runs)
-        for name, number, least in (("first", first, 0), ("threads", 1 if threads is None else threads, 1)):
-            if isinstance(number, bool) or not isinstance(number, int | np.integer) or not least <= number < 2**31:
-                raise InputError(f"{name} = {shown(number)}: a whole number from {least} on belongs here")
+        _whole("first", first, least=0)
+        _whole("threads", 1 if threads is None else threads, least=1)
         if progress is not None and not callable(progress):
             raise InputError(f"progress: {shown(progress)} cannot be called")
         count = int(threads or os.cpu_count() or 1)
@@ -248,8 +249,9 @@ class Experiment:
         if values is None:
             if width > 0:
                 raise InputError(f"values are missing: {width} a flight ({', '.join(self.columns)})")
-            if isinstance(runs, bool) or not isinstance(runs, int) or runs < 1:
-                raise InputError(f"runs = {shown(runs)}: how many flights? A whole number from 1 on belongs here")
+            if runs is None:
+                raise InputError("runs is missing: how many flights?")
+            _whole("runs", runs, least=1)
             return np.empty((runs, 0))
         try:
             rows = np.array(values, dtype=float)
@@ -264,6 +266,11 @@ class Experiment:
         if runs is not None and runs != len(rows):
             raise InputError(f"runs = {shown(runs)}, and {len(rows)} rows of values")
         return rows
+
+
+def _whole(name: str, number: Any, *, least: int) -> None:
+    if isinstance(number, bool) or not isinstance(number, int | np.integer) or not least <= number < 2**31:
+        raise InputError(f"{name} = {shown(number)}: a whole number from {least} on belongs here")
 
 
 __all__ = ["Experiment", "Flights", "usual_measures"]

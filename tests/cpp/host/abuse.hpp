@@ -190,7 +190,7 @@ class AbusedLoop {
  private:
   const Vehicle<double>& vehicle_;
   bool regulates_;
-  truth::Plant plant_;
+  truth::RigidPlant plant_;
   truth::Sensors sensors_;
   host::ReferencePath reference_;
   host::Stack stack_;

@@ -70,7 +70,7 @@ TEST(ClosedLoop, DependsOnItsSeed) {
 TEST(ClosedLoop, IsTheSameForAStaticStack) {
   const Assembly a = assemble(ftc_4rw("rk4"));
   const auto end_of = [&](auto& stack) {
-    truth::Plant plant(a.plant, a.initial, a.setup.dt);
+    truth::RigidPlant plant(a.plant, a.initial, a.setup.dt);
     truth::Sensors sensors(a.sensors, a.run.seed, 0);
     ReferencePath reference(a.reference, a.setup.dt);
     EXPECT_EQ(fly(plant, sensors, reference, stack, 3000).code, RunEnd::Code::completed);
@@ -83,6 +83,45 @@ TEST(ClosedLoop, IsTheSameForAStaticStack) {
       PseudoInverse<double>(a.setup, default_params<PseudoInverse<double>>(a.setup)));
   Stack erased = make_stack(a, {});
   EXPECT_EQ(end_of(fixed), end_of(erased));
+}
+
+/// A plant of one's own: a turntable, free about z alone.
+class Turntable {
+ public:
+  Turntable(const Assembly& a, double angle) : a_(a), angle_(angle) {}
+
+  double time() const noexcept { return static_cast<double>(tick_) * a_.setup.dt; }
+  Measurement<double> measure(truth::Sensors& sensors) const {
+    return sensors.measure(tick_, attitude(), rate(), VecN<double>::Zero(4));
+  }
+  void advance(const VecN<double>& u) {
+    const double dt = a_.setup.dt, turn = a_.setup.vehicle.D_B.row(2).dot(u) / a_.setup.vehicle.J_B(2, 2);
+    angle_ += dt * (rate_ + 0.5 * dt * turn);
+    rate_ += dt * turn;
+    ++tick_;
+  }
+  truth::TruthSample sample() const { return {.t = time(), .q_NB = attitude(), .omega_BN_B = rate()}; }
+  truth::IntegratorStatistics statistics() const { return {}; }
+  truth::InnerRates inner_rates() const { return {}; }
+  static Vec3<double> angle_difference(const Vec3<double>& a, const Vec3<double>& b) { return a - b; }
+
+ private:
+  Quat<double> attitude() const { return quat_exp<double>({0, 0, angle_}); }
+  Vec3<double> rate() const { return {0, 0, rate_}; }
+
+  const Assembly& a_;
+  double angle_, rate_ = 0;
+  Tick tick_ = 0;
+};
+
+TEST(ClosedLoop, FliesAPlantOfOnesOwn) {
+  const Assembly a = assemble(ftc_4rw("rk4"));
+  Turntable plant(a, 0.3);
+  truth::Sensors sensors({}, 1, 0);
+  ReferencePath reference(a.reference, a.setup.dt);
+  Stack stack = make_stack(a, {});
+  EXPECT_EQ(fly(plant, sensors, reference, stack, a.ticks).code, RunEnd::Code::completed);
+  EXPECT_LT(rotation_angle(plant.sample().q_NB), 1e-3);  // there is no disturbance about z; the law regulates
 }
 
 // Faults that switch between samples: RK4 in 2.5 ms steps errs by less than 1e-12 here and CVODE at rtol 1e-12 by less

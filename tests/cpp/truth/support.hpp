@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "gyrostat/core/attitude.hpp"
-#include "gyrostat/truth/plant.hpp"
+#include "gyrostat/truth/rigid_plant.hpp"
 
 namespace gyrostat::truth::test {
 
@@ -90,8 +90,8 @@ inline const VecN<double> driven_speed =
     vec({95.98322837465994, -53.945048171923276, 45.05964987695179, -0.012073576464673202});
 
 /// Runs end state 2 at a sample period; the command is reversed at the sample of 100 s.
-inline Plant run_driven(const Integrator& integrator, double dt) {
-  Plant plant(driven_model(integrator), driven_start(), dt);
+inline RigidPlant run_driven(const Integrator& integrator, double dt) {
+  RigidPlant plant(driven_model(integrator), driven_start(), dt);
   const auto half = static_cast<Tick>(std::llround(100 / dt));
   for (Tick k = 0; k < 2 * half; ++k) plant.advance(driven_command(k < half));
   return plant;

@@ -42,10 +42,10 @@ TEST(Actuators, HealthyOnesDeliverTheCommandUpToTheirLimits) {
 }
 
 TEST(Actuators, LossesMultiplyAndBiasesAdd) {
-  const FaultyActuators bank(
-      limited(), {LossOfEffectiveness{.actuator = 0, .t_on = 10, .remaining = 0.5},
-                  LossOfEffectiveness{.actuator = 0, .t_on = 20, .remaining = 0.2},
-                  Bias{.actuator = 0, .t_on = 30, .torque = 0.01}, Bias{.actuator = 0, .t_on = 30, .torque = 0.02}});
+  const FaultyActuators bank(limited(), {LossOfEffectiveness{.window = {.actuator = 0, .t_on = 10}, .remaining = 0.5},
+                                         LossOfEffectiveness{.window = {.actuator = 0, .t_on = 20}, .remaining = 0.2},
+                                         Bias{.window = {.actuator = 0, .t_on = 30}, .torque = 0.01},
+                                         Bias{.window = {.actuator = 0, .t_on = 30}, .torque = 0.02}});
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 9), 0.1);
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 11), 0.05);
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 21), 0.01);
@@ -55,27 +55,29 @@ TEST(Actuators, LossesMultiplyAndBiasesAdd) {
 
 // Li et al. 2018, section 5: effectiveness 0.9 + 0.07 sin(0.2 t) and bias 0.05 sin t on wheel 2.
 TEST(Actuators, LawsVaryWithTime) {
-  const FaultyActuators bank(limited(), {LossOfEffectiveness{.actuator = 2, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
-                                         Bias{.actuator = 2, .torque = SineWave{0, 0.05, 1, 0}}});
+  const FaultyActuators bank(limited(),
+                             {LossOfEffectiveness{.window = {.actuator = 2}, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
+                              Bias{.window = {.actuator = 2}, .torque = SineWave{0, 0.05, 1, 0}}});
   EXPECT_DOUBLE_EQ(delivered(bank, 2, u, 7), (0.9 + 0.07 * std::sin(1.4)) * 0.05 + 0.05 * std::sin(7.0));
 }
 
 TEST(Actuators, AnEffectivenessOfZeroStillAddsItsBiasButADeadOneDoesNot) {
-  const Bias bias{.actuator = 3, .torque = 0.005};
-  EXPECT_EQ(delivered({limited(), {bias, LossOfEffectiveness{.actuator = 3, .remaining = 0.0}}}, 3, u, 1), 0.005);
-  EXPECT_EQ(delivered({limited(), {bias, Dead{.actuator = 3}}}, 3, u, 1), 0);
+  const Bias bias{.window = {.actuator = 3}, .torque = 0.005};
+  EXPECT_EQ(delivered({limited(), {bias, LossOfEffectiveness{.window = {.actuator = 3}, .remaining = 0.0}}}, 3, u, 1),
+            0.005);
+  EXPECT_EQ(delivered({limited(), {bias, Dead{.window = {.actuator = 3}}}}, 3, u, 1), 0);
 }
 
 TEST(Actuators, StuckAndHardOverIgnoreTheCommand) {
-  EXPECT_EQ(delivered({limited(), {StuckOutput{.actuator = 1, .torque = 0.07}}}, 1, u, 1), 0.07);
-  EXPECT_EQ(delivered({limited(), {HardOver{.actuator = 1, .sign = 1}}}, 1, u, 1), 0.25);
-  EXPECT_EQ(delivered({limited(), {HardOver{.actuator = 1, .sign = -1}}}, 1, u, 1), -0.2);
-  EXPECT_THROW(FaultyActuators(Actuators::ideal(4), {HardOver{.actuator = 1}}), std::invalid_argument);
+  EXPECT_EQ(delivered({limited(), {StuckOutput{.window = {.actuator = 1}, .torque = 0.07}}}, 1, u, 1), 0.07);
+  EXPECT_EQ(delivered({limited(), {HardOver{.window = {.actuator = 1}, .sign = 1}}}, 1, u, 1), 0.25);
+  EXPECT_EQ(delivered({limited(), {HardOver{.window = {.actuator = 1}, .sign = -1}}}, 1, u, 1), -0.2);
+  EXPECT_THROW(FaultyActuators(Actuators::ideal(4), {HardOver{.window = {.actuator = 1}}}), std::invalid_argument);
 }
 
 TEST(Actuators, LockKeepsWhatWasDeliveredAtItsOnset) {
-  FaultyActuators bank(limited(),
-                       {LossOfEffectiveness{.actuator = 0, .remaining = 0.5}, Lock{.actuator = 0, .t_on = 10}});
+  FaultyActuators bank(limited(), {LossOfEffectiveness{.window = {.actuator = 0}, .remaining = 0.5},
+                                   Lock{.window = {.actuator = 0, .t_on = 10}}});
   bank.enter(0, 5);
   bank.command(u);
   bank.enter(10, 11);
@@ -86,11 +88,11 @@ TEST(Actuators, LockKeepsWhatWasDeliveredAtItsOnset) {
 }
 
 TEST(Actuators, LockFromTheBeginningDeliversNothing) {
-  EXPECT_EQ(delivered({limited(), {Lock{.actuator = 0}}}, 0, u, 1), 0);
+  EXPECT_EQ(delivered({limited(), {Lock{.window = {.actuator = 0}}}}, 0, u, 1), 0);
 }
 
 TEST(Actuators, DriftGrowsFromItsOnsetAndEnds) {
-  const FaultyActuators bank(limited(), {Drift{.actuator = 0, .t_on = 10, .t_off = 30, .rate = 1e-3}});
+  const FaultyActuators bank(limited(), {Drift{.window = {.actuator = 0, .t_on = 10, .t_off = 30}, .rate = 1e-3}});
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 15), 0.1 + 5e-3);
   EXPECT_EQ(delivered(bank, 0, u, 31), 0.1);
 }
@@ -98,7 +100,8 @@ TEST(Actuators, DriftGrowsFromItsOnsetAndEnds) {
 TEST(Actuators, IntermittentComesAndGoes) {
   const FaultyActuators bank(
       limited(),
-      {Intermittent{.actuator = 0, .t_on = 10, .period = 4, .duty = 0.25, .remaining = 0.3, .torque = 0.02}});
+      {Intermittent{
+          .window = {.actuator = 0, .t_on = 10}, .period = 4, .duty = 0.25, .remaining = 0.3, .torque = 0.02}});
   EXPECT_EQ(delivered(bank, 0, u, 9.9), 0.1);
   EXPECT_DOUBLE_EQ(delivered(bank, 0, u, 10.5), 0.05);
   EXPECT_EQ(delivered(bank, 0, u, 11.5), 0.1);
@@ -106,15 +109,15 @@ TEST(Actuators, IntermittentComesAndGoes) {
 }
 
 TEST(Actuators, DeadZoneSwallowsSmallCommandsAndPassesLargeOnesWhole) {
-  const FaultyActuators bank(limited(), {DeadZone{.actuator = 1, .width = 0.08}});
+  const FaultyActuators bank(limited(), {DeadZone{.window = {.actuator = 1}, .width = 0.08}});
   EXPECT_EQ(delivered(bank, 1, vec({0, 0.079, 0, 0}), 1), 0);
   EXPECT_EQ(delivered(bank, 1, vec({0, -0.079, 0, 0}), 1), 0);
   EXPECT_EQ(delivered(bank, 1, vec({0, -0.081, 0, 0}), 1), -0.081);
 }
 
 TEST(Actuators, LimitOnTheCommandComesBeforeTheFaultsLimitOnTheOutputAfter) {
-  const std::vector<Fault> faults{LossOfEffectiveness{.actuator = 0, .remaining = 0.5},
-                                  Bias{.actuator = 0, .torque = 0.2}};
+  const std::vector<Fault> faults{LossOfEffectiveness{.window = {.actuator = 0}, .remaining = 0.5},
+                                  Bias{.window = {.actuator = 0}, .torque = 0.2}};
   EXPECT_DOUBLE_EQ(delivered({limited(LimitOn::command), faults}, 0, vec({1, 0, 0, 0}), 1), 0.5 * 0.25 + 0.2);
   EXPECT_DOUBLE_EQ(delivered({limited(LimitOn::output), faults}, 0, vec({1, 0, 0, 0}), 1), 0.25);
   EXPECT_DOUBLE_EQ(delivered({limited(LimitOn::output), faults}, 0, vec({-0.4, 0, 0, 0}), 1), 0.0);
@@ -133,8 +136,9 @@ TEST(Actuators, RefuseWhatDoesNotFitTogether) {
   a = limited();
   a.u_up.resize(3);
   EXPECT_NE(a.check().find("u_up has 3 elements, need 4"), std::string::npos);
-  EXPECT_THROW(FaultyActuators(limited(), {Dead{.actuator = 9}}), std::invalid_argument);
-  EXPECT_THROW(FaultyActuators(limited(), {Dead{.actuator = 0}, StuckOutput{.actuator = 0}}), std::invalid_argument);
+  EXPECT_THROW(FaultyActuators(limited(), {Dead{.window = {.actuator = 9}}}), std::invalid_argument);
+  EXPECT_THROW(FaultyActuators(limited(), {Dead{.window = {.actuator = 0}}, StuckOutput{.window = {.actuator = 0}}}),
+               std::invalid_argument);
 }
 
 }  // namespace

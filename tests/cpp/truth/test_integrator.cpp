@@ -14,14 +14,14 @@ struct EndError {
   double mrp, rate, speed;
 };
 
-EndError driven_error(const Plant& plant) {
+EndError driven_error(const RigidPlant& plant) {
   const VecN<double> speed = wheel_speed(pyramid(), plant.h_w(), plant.omega_BN_B());
   return {(small_mrp(plant.q_NB()) - driven_sigma).cwiseAbs().maxCoeff(),
           (plant.omega_BN_B() - driven_omega).cwiseAbs().maxCoeff(), (speed - driven_speed).cwiseAbs().maxCoeff()};
 }
 
 EndError free_error(const Integrator& integrator, double dt) {
-  Plant plant(torquers(integrator), free_start(), dt);
+  RigidPlant plant(torquers(integrator), free_start(), dt);
   const auto samples = std::llround(200 / dt);
   for (long k = 0; k < samples; ++k) plant.advance(VecN<double>::Zero(4));
   return {(small_mrp(plant.q_NB()) - free_sigma).cwiseAbs().maxCoeff(),
@@ -55,11 +55,11 @@ TEST(Integrator, CvodeMeetsTheIndependentEndStatesInAFreeRun) {
 
 // Design figure: 7.5e-11 in rate with the history kept, 5.5e-7 when restarted at each sample.
 TEST(Integrator, CvodeKeepsItsHistoryAcrossCommands) {
-  const Plant kept = run_driven(Cvode{}, 1e-2);
+  const RigidPlant kept = run_driven(Cvode{}, 1e-2);
   EXPECT_EQ(kept.statistics().restarts, 1u);
   EXPECT_LE(kept.statistics().steps, 20100u);  // one a sample, but for the start
   EXPECT_LE(driven_error(kept).rate, 1e-9);
-  const Plant restarted = run_driven(Cvode{.restart_each_sample = true}, 1e-2);
+  const RigidPlant restarted = run_driven(Cvode{.restart_each_sample = true}, 1e-2);
   EXPECT_EQ(restarted.statistics().restarts, 20000u);
   EXPECT_GE(driven_error(restarted).rate, 100 * driven_error(kept).rate);
 }
@@ -76,7 +76,7 @@ class TorqueFree : public ::testing::TestWithParam<std::pair<Integrator, double>
 
 TEST_P(TorqueFree, BodyKeepsItsEnergyAndItsMomentumInInertialSpace) {
   const auto& [integrator, tolerance] = GetParam();
-  Plant plant(torquers(integrator), free_start(), 1e-2);
+  RigidPlant plant(torquers(integrator), free_start(), 1e-2);
   const auto energy = [&] { return 0.5 * plant.omega_BN_B().dot(total_inertia() * plant.omega_BN_B()); };
   const auto momentum_N = [&] { return Vec3<double>(plant.q_NB() * (total_inertia() * plant.omega_BN_B())); };
   const double E0 = energy();
@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(, TorqueFree,
 
 TEST(Integrator, QuaternionStaysAUnitAndKeepsItsSideThroughManyTurns) {
   for (const Integrator& integrator : {Integrator(Cvode{}), Integrator(Rk4{})}) {
-    Plant plant(torquers(integrator), free_start(), 1e-2);
+    RigidPlant plant(torquers(integrator), free_start(), 1e-2);
     Quat<double> before = plant.q_NB();
     bool turned = false;
     for (int k = 0; k < 20000; ++k) {

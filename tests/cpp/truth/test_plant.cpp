@@ -39,8 +39,9 @@ PlantModel one_axis(const Integrator& integrator, double Js = 0) {
   return m;
 }
 
-Plant run(const PlantModel& m, const InitialState& initial, const VecN<double>& u, double duration, double dt = 0.01) {
-  Plant plant(m, initial, dt);
+RigidPlant run(const PlantModel& m, const InitialState& initial, const VecN<double>& u, double duration,
+               double dt = 0.01) {
+  RigidPlant plant(m, initial, dt);
   const auto samples = std::llround(duration / dt);
   for (long k = 0; k < samples; ++k) plant.advance(u);
   return plant;
@@ -51,8 +52,8 @@ Plant run(const PlantModel& m, const InitialState& initial, const VecN<double>& 
 TEST(Plant, AFaultBetweenTwoSamplesActsFromItsTimeToItsTime) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_axis(integrator);
-    m.faults = {Bias{.actuator = 0, .t_on = 10.0037, .t_off = 11.0059, .torque = 0.2}};
-    const Plant plant = run(m, {}, vec({0}), 12);
+    m.faults = {Bias{.window = {.actuator = 0, .t_on = 10.0037, .t_off = 11.0059}, .torque = 0.2}};
+    const RigidPlant plant = run(m, {}, vec({0}), 12);
     EXPECT_NEAR(plant.omega_BN_B()[0], 0.2 * (11.0059 - 10.0037) / 10,
                 1e-14);  // impulse / inertia, rounding of times of 10 s
     EXPECT_NEAR(mrp(plant.q_NB())[0], std::tan(0.25 * 0.02 * 1.0022 * (12 - 0.5 * (10.0037 + 11.0059))), 1e-11);
@@ -61,7 +62,7 @@ TEST(Plant, AFaultBetweenTwoSamplesActsFromItsTimeToItsTime) {
 
 TEST(Plant, CvodeNeedsNoRestartForFaultsButForJumpsOfADisturbance) {
   PlantModel m = driven_model(Cvode{});
-  m.faults = {Bias{.actuator = 0, .torque = SquareWave{.low = -0.01, .high = 0.01, .period = 0.777}}};
+  m.faults = {Bias{.window = {.actuator = 0}, .torque = SquareWave{.low = -0.01, .high = 0.01, .period = 0.777}}};
   EXPECT_EQ(run(m, driven_start(), driven_command(true), 20).statistics().restarts, 1u);
   m.disturbances = {PeriodicTorque{{StepsWave{{0, 5.005, 10}, {0, 0.01, 0}}, 0.0, 0.0}}};
   EXPECT_EQ(run(m, driven_start(), driven_command(true), 20).statistics().restarts, 3u);
@@ -75,28 +76,28 @@ PlantModel busy(const Integrator& integrator, double D) {
   m.actuators.u_up.setConstant(0.04);
   m.actuators.u_lo.setConstant(-0.04);
   m.actuators.limit_on = LimitOn::output;
-  m.faults = {LossOfEffectiveness{.actuator = 2, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
-              Bias{.actuator = 2, .torque = SineWave{0, 0.05, 1, 0}},  // meets the output limit
-              Intermittent{.actuator = 0, .t_on = 1.2345, .period = 0.777, .duty = 0.4, .torque = 0.01},
-              Drift{.actuator = 1, .t_on = 2.0003, .rate = 1e-3},
-              Lock{.actuator = 3, .t_on = 7.0071, .t_off = 12.3},
-              LossOfEffectiveness{
-                  .actuator = 3, .t_on = 3.003, .remaining = SquareWave{.low = 0.2, .high = 0.9, .period = 1.1}}};
+  m.faults = {LossOfEffectiveness{.window = {.actuator = 2}, .remaining = SineWave{0.9, 0.07, 0.2, 0}},
+              Bias{.window = {.actuator = 2}, .torque = SineWave{0, 0.05, 1, 0}},  // meets the output limit
+              Intermittent{.window = {.actuator = 0, .t_on = 1.2345}, .period = 0.777, .duty = 0.4, .torque = 0.01},
+              Drift{.window = {.actuator = 1, .t_on = 2.0003}, .rate = 1e-3},
+              Lock{.window = {.actuator = 3, .t_on = 7.0071, .t_off = 12.3}},
+              LossOfEffectiveness{.window = {.actuator = 3, .t_on = 3.003},
+                                  .remaining = SquareWave{.low = 0.2, .high = 0.9, .period = 1.1}}};
   m.disturbances = {PeriodicTorque{{SquareWave{.low = -D, .high = D, .period = 3.33}, SineWave{0, D, 0.7, 0}, D}}};
   return m;
 }
 
 TEST(Plant, CvodeAndRk4AgreeWhenFaultsSwitchBetweenSamples) {
-  const Plant a = run(busy(all[0], 2e-3), driven_start(), driven_command(true), 20);
-  const Plant b = run(busy(Rk4{.substeps = 10}, 2e-3), driven_start(), driven_command(true), 20);
+  const RigidPlant a = run(busy(all[0], 2e-3), driven_start(), driven_command(true), 20);
+  const RigidPlant b = run(busy(Rk4{.substeps = 10}, 2e-3), driven_start(), driven_command(true), 20);
   EXPECT_LE((a.omega_BN_B() - b.omega_BN_B()).norm(), 1e-11);  // rtol 1e-12 over 2000 samples
   EXPECT_LE((a.h_w() - b.h_w()).norm(), 1e-14);                // the same quadrature of the same laws
   EXPECT_LE(rotation_angle<double>(a.q_NB().conjugate() * b.q_NB()), 1e-10);
 }
 
 TEST(Plant, SamplingFinerChangesNothingUnderConstantCommands) {
-  const Plant coarse = run(busy(all[0], 2e-3), driven_start(), driven_command(true), 20, 1.0);
-  const Plant fine = run(busy(all[0], 2e-3), driven_start(), driven_command(true), 20, 0.005);
+  const RigidPlant coarse = run(busy(all[0], 2e-3), driven_start(), driven_command(true), 20, 1.0);
+  const RigidPlant fine = run(busy(all[0], 2e-3), driven_start(), driven_command(true), 20, 0.005);
   EXPECT_LE((coarse.omega_BN_B() - fine.omega_BN_B()).norm(), 1e-10);
   EXPECT_LE((coarse.h_w() - fine.h_w()).norm(),
             1e-10);  // kinks at the output limit are found to 1e-12 s, laws fitted to 4e-9
@@ -105,8 +106,8 @@ TEST(Plant, SamplingFinerChangesNothingUnderConstantCommands) {
 TEST(Plant, SwitchesWithinANanosecondOfASampleAreMovedOntoIt) {
   for (const double t_on : {5 - 4e-10, 5 + 4e-10}) {
     PlantModel m = one_axis(Rk4{});
-    m.faults = {Dead{.actuator = 0, .t_on = t_on}};
-    const Plant plant = run(m, {}, vec({0.1}), 6);
+    m.faults = {Dead{.window = {.actuator = 0, .t_on = t_on}}};
+    const RigidPlant plant = run(m, {}, vec({0.1}), 6);
     EXPECT_EQ(plant.statistics().steps, 600u);  // no sample was split
     EXPECT_NEAR(plant.omega_BN_B()[0], 0.1 * 5 / 10, 1e-14);
   }
@@ -116,10 +117,10 @@ TEST(Plant, SwitchesWithinANanosecondOfASampleAreMovedOntoIt) {
 
 TEST(Plant, SamplesShowTheIntervalThatJustEnded) {
   PlantModel m = one_axis(Rk4{});
-  m.faults = {LossOfEffectiveness{.actuator = 0, .t_on = 0.5, .remaining = 0.25},
-              Bias{.actuator = 0, .t_on = 0.5, .torque = 0.03}};
+  m.faults = {LossOfEffectiveness{.window = {.actuator = 0, .t_on = 0.5}, .remaining = 0.25},
+              Bias{.window = {.actuator = 0, .t_on = 0.5}, .torque = 0.03}};
   m.disturbances = {PeriodicTorque{{StepsWave{{0, 0.5}, {0, 1}}, 0.0, 0.0}}};
-  Plant plant(m, {}, 0.01);
+  RigidPlant plant(m, {}, 0.01);
   EXPECT_EQ(plant.sample().delivered[0], 0);
   EXPECT_EQ(plant.sample().effectiveness[0], 1);
   for (int k = 0; k < 50; ++k) plant.advance(vec({0.2}));
@@ -140,8 +141,8 @@ TEST(Plant, SamplesShowTheIntervalThatJustEnded) {
 
 TEST(Plant, ALockAtASampleFreezesTheCommandOfTheIntervalBefore) {
   PlantModel m = one_axis(Rk4{});
-  m.faults = {Lock{.actuator = 0, .t_on = 1.0}};
-  Plant plant(m, {}, 0.01);
+  m.faults = {Lock{.window = {.actuator = 0, .t_on = 1.0}}};
+  RigidPlant plant(m, {}, 0.01);
   for (int k = 0; k < 100; ++k) plant.advance(vec({0.2}));
   for (int k = 0; k < 100; ++k) plant.advance(vec({-0.7}));
   EXPECT_DOUBLE_EQ(plant.sample().delivered[0], 0.2);
@@ -156,7 +157,7 @@ TEST(Plant, ViscousFrictionSpinsAWheelDownExponentially) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_axis(integrator, Js);
     m.actuators.viscous_friction[0] = c;
-    const Plant plant = run(m, {.h_w = vec({Js * speed})}, vec({0}), t);
+    const RigidPlant plant = run(m, {.h_w = vec({Js * speed})}, vec({0}), t);
     const double end = speed * std::exp(-c * (1 / Js + 1 / J) * t);
     EXPECT_NEAR(plant.h_w()[0] / Js - plant.omega_BN_B()[0], end, 1e-9);  // cvode: rtol 1e-12 of 80 rad/s, 1000 steps
     EXPECT_NEAR(10 * plant.omega_BN_B()[0] + plant.h_w()[0], Js * speed, 1e-13);
@@ -170,9 +171,9 @@ TEST(Plant, CoulombFrictionSpinsAWheelDownLinearlyAndHoldsIt) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_axis(integrator, Js);
     m.actuators.coulomb_friction[0] = Tc;
-    const Plant moving = run(m, {.h_w = vec({Js * 10})}, vec({0}), 20);
+    const RigidPlant moving = run(m, {.h_w = vec({Js * 10})}, vec({0}), 20);
     EXPECT_NEAR(moving.h_w()[0] / Js - moving.omega_BN_B()[0], 10 - rate * 20, 1e-9);
-    const Plant standing = run(m, {.h_w = vec({Js * 10})}, vec({0}), 60);
+    const RigidPlant standing = run(m, {.h_w = vec({Js * 10})}, vec({0}), 60);
     EXPECT_NEAR(standing.h_w()[0] / Js - standing.omega_BN_B()[0], 0, 1e-9);
   }
 }
@@ -182,7 +183,7 @@ TEST(Plant, AWheelAtItsMomentumLimitGivesNothingOutwardAndTurnsBackAtOnce) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_axis(integrator, 0.05);
     m.actuators.momentum_max[0] = limit;
-    Plant plant(m, {}, 0.01);
+    RigidPlant plant(m, {}, 0.01);
     for (int k = 0; k < 300; ++k) plant.advance(vec({u}));
     EXPECT_NEAR(plant.h_w()[0], -limit, 1e-14);
     EXPECT_NEAR(plant.omega_BN_B()[0], limit / 10, 1e-14);
@@ -200,8 +201,8 @@ TEST(Plant, AFullWheelWaitsUntilAVaryingTorqueTurns) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_axis(integrator, 0.05);
     m.actuators.momentum_max[0] = limit;
-    m.faults = {Bias{.actuator = 0, .torque = SineWave{0, a, w, 0}}};
-    Plant plant(m, {}, 0.01);
+    m.faults = {Bias{.window = {.actuator = 0}, .torque = SineWave{0, a, w, 0}}};
+    RigidPlant plant(m, {}, 0.01);
     plant.advance_to(vec({0}), 6.0);
     EXPECT_NEAR(plant.h_w()[0], -limit, 1e-12);
     const double later = 9.0;
@@ -221,8 +222,8 @@ TEST(Plant, AnOutputLimitCutsAVaryingTorqueWhereItMeetsIt) {
     m.actuators.u_up[0] = limit;
     m.actuators.u_lo[0] = -limit;
     m.actuators.limit_on = LimitOn::output;
-    m.faults = {Bias{.actuator = 0, .torque = SineWave{0, a, w, 0}}};
-    Plant plant(m, {}, 0.01);
+    m.faults = {Bias{.window = {.actuator = 0}, .torque = SineWave{0, a, w, 0}}};
+    RigidPlant plant(m, {}, 0.01);
     for (int k = 0; k < 314; ++k) plant.advance(vec({0}));
     plant.advance_to(vec({0}), t);
     const double impulse = 2 * a * (1 - std::cos(t1)) + limit * (t - 2 * t1);
@@ -234,7 +235,7 @@ TEST(Plant, AnOutputLimitCutsAVaryingTorqueWhereItMeetsIt) {
 
 TEST(Plant, AllocatesNothingFromSampleToSample) {
   for (const Integrator& integrator : all) {
-    Plant plant(busy(integrator, 2e-3), driven_start(), 0.01);
+    RigidPlant plant(busy(integrator, 2e-3), driven_start(), 0.01);
     const VecN<double> u = driven_command(true);
     const std::size_t before = allocations;
     for (int k = 0; k < 1500; ++k) plant.advance(u);
@@ -245,8 +246,8 @@ TEST(Plant, AllocatesNothingFromSampleToSample) {
 
 TEST(Plant, IsTheSameToTheBitWhenRunAgain) {
   for (const Integrator& integrator : all) {
-    const Plant a = run(busy(integrator, 2e-3), driven_start(), driven_command(true), 5);
-    const Plant b = run(busy(integrator, 2e-3), driven_start(), driven_command(true), 5);
+    const RigidPlant a = run(busy(integrator, 2e-3), driven_start(), driven_command(true), 5);
+    const RigidPlant b = run(busy(integrator, 2e-3), driven_start(), driven_command(true), 5);
     EXPECT_EQ(a.q_NB().coeffs(), b.q_NB().coeffs());
     EXPECT_EQ(a.omega_BN_B(), b.omega_BN_B());
     EXPECT_EQ(a.h_w(), b.h_w());
@@ -254,17 +255,17 @@ TEST(Plant, IsTheSameToTheBitWhenRunAgain) {
 }
 
 TEST(Plant, MayBeMovedBetweenSamples) {
-  Plant a(driven_model(Cvode{}), driven_start(), 0.01);
+  RigidPlant a(driven_model(Cvode{}), driven_start(), 0.01);
   a.advance(driven_command(true));
-  Plant b = std::move(a);
+  RigidPlant b = std::move(a);
   b.advance(driven_command(true));
-  const Plant c = run(driven_model(Cvode{}), driven_start(), driven_command(true), 0.02);
+  const RigidPlant c = run(driven_model(Cvode{}), driven_start(), driven_command(true), 0.02);
   EXPECT_EQ(b.omega_BN_B(), c.omega_BN_B());
 }
 
 TEST(Plant, TakesIntervalsOfAnyLength) {
   for (const Integrator& integrator : all) {
-    Plant plant(driven_model(integrator), driven_start(), 0.01);
+    RigidPlant plant(driven_model(integrator), driven_start(), 0.01);
     const Vec3<double> before = plant.omega_BN_B();
     plant.advance_to(driven_command(true), 0);
     EXPECT_LE((plant.omega_BN_B() - before).norm(), 1e-16);  // rounding of J^-1 J
@@ -285,7 +286,7 @@ TEST(Plant, TorquersGiveWhatWheelsGiveWhenNothingIsStored) {
 
 TEST(Plant, SaysWhenTheStateIsNoLongerFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  Plant rk4(one_axis(Rk4{}), {}, 0.01);
+  RigidPlant rk4(one_axis(Rk4{}), {}, 0.01);
   rk4.advance(vec({0}));
   try {
     rk4.advance(vec({nan}));
@@ -293,18 +294,19 @@ TEST(Plant, SaysWhenTheStateIsNoLongerFinite) {
   } catch (const NonFiniteState& error) {
     EXPECT_DOUBLE_EQ(error.time, 0.02);
   }
-  Plant cvode(one_axis(Cvode{}), {}, 0.01);
+  RigidPlant cvode(one_axis(Cvode{}), {}, 0.01);
   cvode.advance(vec({0}));
   EXPECT_THROW(cvode.advance(vec({nan})), std::runtime_error);
 }
 
 TEST(Plant, RefusesWhatDoesNotFit) {
-  EXPECT_THROW(Plant(one_axis(Rk4{}), {}, 0), std::invalid_argument);
-  EXPECT_THROW(Plant(one_axis(Rk4{.substeps = 0}), {}, 0.01), std::invalid_argument);
-  EXPECT_THROW(Plant(one_axis(Rk4{}), {.h_w = vec({1})}, 0.01), std::invalid_argument);  // a torquer stores nothing
-  EXPECT_THROW(Plant(one_axis(Rk4{}), {Quat<double>(0, 0, 0, 0), Vec3<double>::Zero(), {}}, 0.01),
+  EXPECT_THROW(RigidPlant(one_axis(Rk4{}), {}, 0), std::invalid_argument);
+  EXPECT_THROW(RigidPlant(one_axis(Rk4{.substeps = 0}), {}, 0.01), std::invalid_argument);
+  EXPECT_THROW(RigidPlant(one_axis(Rk4{}), {.h_w = vec({1})}, 0.01),
+               std::invalid_argument);  // a torquer stores nothing
+  EXPECT_THROW(RigidPlant(one_axis(Rk4{}), {Quat<double>(0, 0, 0, 0), Vec3<double>::Zero(), {}}, 0.01),
                std::invalid_argument);
-  Plant plant(one_axis(Rk4{}), {}, 0.01);
+  RigidPlant plant(one_axis(Rk4{}), {}, 0.01);
   EXPECT_THROW(plant.advance(vec({1, 2})), std::invalid_argument);
 }
 

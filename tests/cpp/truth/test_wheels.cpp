@@ -31,10 +31,10 @@ PlantModel one_wheel(const Integrator& integrator) {
   return m;
 }
 
-double speed(const Plant& plant) { return plant.h_w()[0] / Js - plant.omega_BN_B()[0]; }
-double momentum(const Plant& plant) { return J * plant.omega_BN_B()[0] + plant.h_w()[0]; }
+double speed(const RigidPlant& plant) { return plant.h_w()[0] / Js - plant.omega_BN_B()[0]; }
+double momentum(const RigidPlant& plant) { return J * plant.omega_BN_B()[0] + plant.h_w()[0]; }
 
-void hold(Plant& plant, double u, int samples) {
+void hold(RigidPlant& plant, double u, int samples) {
   for (int k = 0; k < samples; ++k) plant.advance(VecN<double>::Constant(plant.h_w().size(), u));
 }
 
@@ -46,7 +46,7 @@ TEST(FullWheels, RestAtTheirLimitAgainstFrictionForOnePieceASample) {
     m.actuators.momentum_max.setConstant(0.2);
     m.actuators.viscous_friction.setConstant(1e-3);
     m.actuators.coulomb_friction = vec({0, 1e-3, 0, 1e-3});
-    Plant plant(m, free_start(), 0.01);
+    RigidPlant plant(m, free_start(), 0.01);
     hold(plant, 0.05, 1000);  // full after about 4.5 s
     const IntegratorStatistics before = plant.statistics();
     hold(plant, 0.05, 1000);
@@ -67,7 +67,7 @@ TEST(FullWheels, ComeOffWhenFrictionWinsAndFollowTheClosedForm) {
     PlantModel m = one_wheel(integrator);
     m.actuators.momentum_max[0] = limit;
     m.actuators.viscous_friction[0] = c;
-    Plant plant(m, {.h_w = vec({limit})}, 0.01);
+    RigidPlant plant(m, {.h_w = vec({limit})}, 0.01);
     const double s0 = limit / Js;
     const auto u_of = [&](double balance) { return vec({-c * balance}); };  // holds the speed `balance`
     for (int k = 0; k < 500; ++k) plant.advance(u_of(s0 * 1.1));            // outward of what friction takes
@@ -85,7 +85,7 @@ TEST(FullWheels, AreClippedFromOneLimitToTheOtherHoweverOftenAndWithinASample) {
     for (const double limit : {0.5, 0.01, 1e-5, 0.0}) {
       PlantModel m = one_wheel(integrator);
       m.actuators.momentum_max[0] = limit;
-      Plant plant(m, {.h_w = vec({limit})}, 0.01);
+      RigidPlant plant(m, {.h_w = vec({limit})}, 0.01);
       Random random(1);
       double expected = limit;
       for (int k = 0; k < 2000; ++k) {
@@ -108,7 +108,7 @@ TEST(FullWheels, WithALimitOfZeroGiveNothing) {
       m.actuators.momentum_max[0] = 0;
       m.actuators.viscous_friction[0] = m.actuators.coulomb_friction[0] = friction;
       for (const double u : {-1.0, 1.0}) {
-        Plant plant(m, {Quat<double>::Identity(), {0.1, 0, 0}, {}}, 0.01);
+        RigidPlant plant(m, {Quat<double>::Identity(), {0.1, 0, 0}, {}}, 0.01);
         hold(plant, u, 1);
         hold(plant, -u, 1);
         hold(plant, u, 10);
@@ -128,7 +128,7 @@ TEST(StandingWheels, StayUntilTheDriveExceedsDryFriction) {
     PlantModel m = one_wheel(integrator);
     m.actuators.coulomb_friction[0] = dry;
     for (const double sign : {-1.0, 1.0}) {
-      Plant plant(m, {}, dt);
+      RigidPlant plant(m, {}, dt);
       hold(plant, sign * 0.999 * dry, 50);
       EXPECT_EQ(plant.h_w()[0], 0);
       EXPECT_EQ(plant.omega_BN_B()[0], 0);
@@ -150,7 +150,7 @@ TEST(StandingWheels, TurnWithTheBodyUntilItIsAcceleratedTooMuch) {
     PlantModel m = one_wheel(integrator);
     m.actuators.coulomb_friction[0] = dry;
     m.disturbances = {PeriodicTorque{{StepsWave{{0, 1.005}, {slow, quick}}, 0.0, 0.0}}};
-    Plant plant(m, {}, 0.01);
+    RigidPlant plant(m, {}, 0.01);
     hold(plant, 0, 100);
     EXPECT_NEAR(plant.omega_BN_B()[0], slow / (J + Js), 1e-14);
     EXPECT_NEAR(plant.h_w()[0], Js * slow / (J + Js), 1e-15);
@@ -173,8 +173,8 @@ TEST(StandingWheels, SlipAndStickUnderASineAtTheTimesOfTheClosedForm) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_wheel(integrator);
     m.actuators.coulomb_friction[0] = dry;
-    m.faults = {Bias{.actuator = 0, .torque = SineWave{0, a, 1, 0}}};
-    Plant plant(m, {}, 0.01);
+    m.faults = {Bias{.window = {.actuator = 0}, .torque = SineWave{0, a, 1, 0}}};
+    RigidPlant plant(m, {}, 0.01);
     const auto at = [&](double t) {
       plant.advance_to(vec({0}), t);
       return plant.h_w()[0];
@@ -196,7 +196,7 @@ TEST(StandingWheels, OfASmallVehicleComeToRestAtTenHertz) {
     m.J_B = Vec3<double>{0.02, 0.018, 0.015}.asDiagonal();
     m.actuators.wheel_inertia.setConstant(small);
     m.actuators.coulomb_friction.setConstant(dry);
-    Plant plant(m, {.h_w = small * vec({10, -7, 3, 0.2})}, 0.1);
+    RigidPlant plant(m, {.h_w = small * vec({10, -7, 3, 0.2})}, 0.1);
     hold(plant, 0, 100);
     const VecN<double> turn = plant.h_w() / small - project(pyramid(), plant.omega_BN_B());
     EXPECT_LE(turn.norm(), 1e-17 / small);  // rounding of h_w
@@ -280,7 +280,7 @@ TEST(InnerTime, QuickViscousFrictionIsFollowedByEveryIntegratorOrRefused) {
     for (const Integrator& integrator : all) {
       PlantModel m = one_wheel(integrator);
       m.actuators.viscous_friction[0] = c;
-      Plant plant(m, {.h_w = vec({Js * 10})}, dt);
+      RigidPlant plant(m, {.h_w = vec({Js * 10})}, dt);
       hold(plant, 0, 1);
       // rk4 takes steps of half a time constant: 4e-4 of the speed at their end, less of it as it dies out; the others'
       // tolerance is of a momentum of 0.5 N m s, 1e-9 of which are 1e-8 rad/s
@@ -295,7 +295,7 @@ TEST(InnerTime, QuickViscousFrictionIsFollowedByEveryIntegratorOrRefused) {
   PlantModel m = one_wheel(Rk4{});
   m.actuators.viscous_friction[0] = 1001 * J_eff / dt;
   try {
-    const Plant plant(m, {}, dt);
+    const RigidPlant plant(m, {}, dt);
     FAIL() << "not refused";
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("actuator 0 (0.05 kg m^2) in 9.99e-05 s"), std::string::npos)
@@ -309,7 +309,7 @@ TEST(InnerTime, QuickPrecessionAtTwoHertzIsFollowedByEveryIntegrator) {
     PlantModel m = wheels(integrator);
     m.J_B = Vec3<double>{2e-3, 1.8e-3, 1.5e-3}.asDiagonal();
     m.actuators.wheel_inertia.setConstant(1e-5);
-    Plant plant(m, {quat_from_mrp(sigma_0), {0.05, 0.02, 0}, vec({0.01, 0.01, 0.01, 0.01})}, 0.5);
+    RigidPlant plant(m, {quat_from_mrp(sigma_0), {0.05, 0.02, 0}, vec({0.01, 0.01, 0.01, 0.01})}, 0.5);
     const auto energy = [&] { return plant.omega_BN_B().dot(m.J_B * plant.omega_BN_B()); };
     const double before = energy();
     hold(plant, 0, 200);
@@ -323,7 +323,7 @@ TEST(InnerTime, AStateThatTurnsAThousandTimesInASampleEndsTheRunWithItsTime) {
   for (const Integrator& integrator : all) {
     PlantModel m = one_wheel(integrator);
     m.disturbances = {ConstantTorque{{1e6, 0, 0}}};  // 1e4 rad/s more each 0.1 s
-    Plant plant(m, {}, 0.1);
+    RigidPlant plant(m, {}, 0.1);
     try {
       hold(plant, 0, 10);
       FAIL() << "no error";
@@ -337,9 +337,9 @@ TEST(InnerTime, AStateThatTurnsAThousandTimesInASampleEndsTheRunWithItsTime) {
 TEST(InnerTime, ASampleOfTooManyPiecesEndsTheRunWithItsTime) {
   for (const Integrator& integrator : {Integrator(Rk4{}), Integrator(Auto{})}) {
     PlantModel m = one_wheel(integrator);
-    m.faults = {
-        Intermittent{.actuator = 0, .t_on = 1.5, .period = 1e-6, .torque = 0.1}};  // a million switches a second
-    Plant plant(m, {}, 1.0);
+    m.faults = {Intermittent{
+        .window = {.actuator = 0, .t_on = 1.5}, .period = 1e-6, .torque = 0.1}};  // a million switches a second
+    RigidPlant plant(m, {}, 1.0);
     hold(plant, 0, 1);
     try {
       hold(plant, 0, 1);
@@ -368,7 +368,7 @@ double steps_under_noise(const Integrator& integrator) {
   m.actuators.wheel_inertia.setConstant(4.2e-6);
   m.actuators.viscous_friction.setConstant(1e-7);
   m.actuators.coulomb_friction.setConstant(2e-6);
-  Plant plant(m, free_start(), 0.1);
+  RigidPlant plant(m, free_start(), 0.1);
   Random random(3);
   for (int k = 0; k < 500; ++k) {
     const Vec3<double> rate = plant.omega_BN_B() + random.vector<double>(1e-3);
@@ -387,7 +387,7 @@ TEST(Plant, CvodeKeepsItsHistoryWhenWheelsFillStopAndTurn) {
   m.actuators.momentum_max.setConstant(0.05);
   m.actuators.coulomb_friction.setConstant(2e-3);
   m.actuators.viscous_friction.setConstant(1e-4);
-  Plant plant(m, {quat_from_mrp(sigma_0), {0.02, -0.01, 0.02}, {}}, 0.01);
+  RigidPlant plant(m, {quat_from_mrp(sigma_0), {0.02, -0.01, 0.02}, {}}, 0.01);
   for (int k = 0; k < 2000; ++k) plant.advance(0.01 * std::sin(0.02 * k) * vec({1, -0.7, 0.4, 0.2}));
   EXPECT_EQ(plant.statistics().restarts, 1u);
   EXPECT_GT(plant.statistics().pieces, 2010u);  // something happened
@@ -446,7 +446,7 @@ struct Flown {
 Flown fly(const RandomFlight& flight, const Integrator& integrator, double drift) {
   PlantModel m = flight.model;
   m.integrator = integrator;
-  Plant plant(m, flight.initial, flight.dt);
+  RigidPlant plant(m, flight.initial, flight.dt);
   const auto n = static_cast<std::uint64_t>(m.D_B.cols());
   const auto momentum_N = [&] {
     return Vec3<double>(plant.q_NB() * (m.J_B * plant.omega_BN_B() + torque<double>(m.D_B, plant.h_w())));

@@ -184,7 +184,6 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   check_inertia(total, "truth: J_B + dJ_B");
   plant.J_B = nominal.J_B + t.dJ_B;
   plant.orbit_rate = nominal.orbit_rate;
-  plant.coordinates = nominal.coordinates;
   truth::Actuators& actuators = plant.actuators;
   actuators.u_lo = nominal.u_lo;
   actuators.u_up = nominal.u_up;
@@ -204,13 +203,14 @@ void read_faults(const Table& scenario, Assembly& a) {
     std::visit(
         [&](const auto& fault) {
           const std::string where = "faults[" + std::to_string(i) + "] '" + fault.name + "': ";
-          if (fault.actuator >= n) {
-            refuse(where + "actuator = " + std::to_string(fault.actuator) + " is not there; the vehicle has " +
+          const truth::Window& window = fault.window;
+          if (window.actuator >= n) {
+            refuse(where + "actuator = " + std::to_string(window.actuator) + " is not there; the vehicle has " +
                    std::to_string(n) + " (0 to " + std::to_string(n - 1) + ")");
           }
-          if (!(fault.t_off > fault.t_on))
-            refuse(where + "t_off = " + number_text(fault.t_off) + " must be after t_on = " + number_text(fault.t_on) +
-                   " s");
+          if (!(window.t_off > window.t_on))
+            refuse(where + "t_off = " + number_text(window.t_off) +
+                   " must be after t_on = " + number_text(window.t_on) + " s");
         },
         a.plant.faults[i]);
   }
@@ -359,6 +359,13 @@ std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponen
     add(c.detectors, detector);
   }
   return rows;
+}
+
+AnyPlant make_plant(const Assembly& a) {
+  if (a.setup.vehicle.coordinates == Coordinates::euler_angles) {
+    return AnyPlant(std::in_place_type<truth::EulerPlant>, a.plant, a.initial, a.setup.dt);
+  }
+  return AnyPlant(std::in_place_type<truth::RigidPlant>, a.plant, a.initial, a.setup.dt);
 }
 
 std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) {

@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "gyrostat/flight/stack.hpp"
@@ -10,8 +11,8 @@
 #include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/channels.hpp"
 #include "gyrostat/host/reference.hpp"
-#include "gyrostat/truth/plant.hpp"
-#include "gyrostat/truth/sensors.hpp"
+#include "gyrostat/truth/euler_plant.hpp"
+#include "gyrostat/truth/rigid_plant.hpp"
 
 namespace gyrostat::host {
 
@@ -31,6 +32,9 @@ struct CheckRow {
   std::string where, name;
   Status<double> status;
 };
+
+/// The models that fly. A run visits it once.
+using AnyPlant = std::variant<truth::RigidPlant, truth::EulerPlant>;
 
 /// A component as a scenario names it.
 struct ComponentSpec {
@@ -55,6 +59,9 @@ struct Assembly {
 
 /// Reads and cross-checks. Throws std::invalid_argument.
 Assembly assemble(const Table& scenario);
+
+/// Throws std::invalid_argument for what does not fit the model.
+AnyPlant make_plant(const Assembly& a);
 
 /// Estimates by role: those that the observer makes and those that the others use. Nothing is known of a component from
 /// outside the catalogue: its role is left out.

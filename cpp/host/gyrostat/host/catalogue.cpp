@@ -7,7 +7,7 @@
 #include "gyrostat/host/blocks.hpp"
 #include "gyrostat/host/reference.hpp"
 #include "gyrostat/truth/disturbances.hpp"
-#include "gyrostat/truth/faults.hpp"
+#include "gyrostat/truth/faults/list.hpp"
 #include "gyrostat/truth/integrator.hpp"
 #include "gyrostat/truth/sensors.hpp"
 

@@ -30,11 +30,27 @@ struct Vehicles {
 /// All that a channel may read at one sample. Truth is one-sided: the interval just ended.
 class Moment {
  public:
-  Moment(const Vehicles& vehicles_in, const truth::Plant& plant) : vehicles(vehicles_in), plant_(plant) {}
+  template <truth::Plant Plant>
+  Moment(const Vehicles& vehicles_in, const Plant& plant)
+      : vehicles(vehicles_in),
+        q_NB(plant.q_NB()),
+        omega_BN_B(plant.omega_BN_B()),
+        h_w(plant.h_w()),
+        angle_difference(&Plant::angle_difference),
+        plant_(&plant),
+        sample_of_([](const void* p) { return static_cast<const Plant*>(p)->sample(); }) {}
 
-  const truth::TruthSample& truth() const;
+  /// The whole truth; sampled when the first channel asks.
+  const truth::TruthSample& now() const {
+    if (!now_) now_ = sample_of_(plant_);
+    return *now_;
+  }
 
   const Vehicles& vehicles;
+  const Quat<double>& q_NB;  ///< the true state, which costs nothing to look at
+  const Vec3<double>& omega_BN_B;
+  const VecN<double>& h_w;
+  Vec3<double> (*angle_difference)(const Vec3<double>&, const Vec3<double>&);  ///< of roll, pitch, yaw of this plant
   double t = 0;
   const Measurement<double>* y = nullptr;
   const Reference<double>* ref = nullptr;
@@ -42,24 +58,19 @@ class Moment {
   const Detection<double>* det = nullptr;
   const Demand<double>* demand = nullptr;
   const Allocation<double>* last = nullptr;
-  const VecN<double>* u_held = nullptr;          ///< command over the interval just ended
-  const Vec3<double>* omega_before_B = nullptr;  ///< true rate one sample ago
-  const VecN<double>* h_w_before = nullptr;      ///< true wheel momentum one sample ago
-  const Vec3<double>* angles_before = nullptr;   ///< true Euler angles one sample ago; the Euler-angle model only
-  const Vec3<double>& omega_BN_B() const { return plant_.omega_BN_B(); }
-  const Quat<double>& q_NB() const { return plant_.q_NB(); }
-  EulerState<double> euler() const { return plant_.euler(); }
-  const VecN<double>& h_w() const { return plant_.h_w(); }
+  VecN<double> u_held;        ///< command over the interval just ended
+  truth::TruthSample before;  ///< one sample ago; for channels that compare with it
 
   /// A new sample: forget what was computed for the one before.
   void advance(double time) {
     t = time;
-    sample_.reset();
+    now_.reset();
   }
 
  private:
-  const truth::Plant& plant_;
-  mutable std::optional<truth::TruthSample> sample_;
+  const void* plant_;
+  truth::TruthSample (*sample_of_)(const void*);
+  mutable std::optional<truth::TruthSample> now_;
 };
 
 /// A component whose telemetry may be recorded, under its role's name ("observer", "shadow0.detector").

@@ -25,34 +25,36 @@ constexpr Tick between_looks = 64;  // samples
 double last_fault(const Assembly& a) {
   double last = 0;
   for (const truth::Fault& fault : a.plant.faults) {
-    const double t_on = std::visit([](const auto& f) { return f.t_on; }, fault);
+    const double t_on = truth::window_of(fault).t_on;
     if (t_on < a.run.duration) last = std::max(last, t_on);
   }
   return last;
 }
 
+std::size_t index_of(const ChannelReader& reader, const std::string& channel) {
+  const auto& all = reader.channels();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const ChannelInfo& c) { return c.name == channel; });
+  return static_cast<std::size_t>(found - all.begin());
+}
+
 /// Feeds the metrics of one flight.
+template <truth::Plant Plant>
 class Measuring {
  public:
-  Measuring(const Assembly& a, const truth::Plant& plant, FlightParts& parts, const std::vector<std::string>& channels,
-            const std::atomic<bool>& stop)
-      : reader_(channels, a.setup.vehicle.actuators(), parts.components, parts.views, "measure"),
-        moments_(a, plant, parts.stack, reader_.needs_previous()),
-        parts_(parts),
-        stop_(stop) {}
-
   struct Meter {
     std::size_t channel;
     int column;
     Metric metric;
   };
 
-  std::size_t channel(const std::string& name) const {
-    const auto& all = reader_.channels();
-    return static_cast<std::size_t>(
-        std::find_if(all.begin(), all.end(), [&](const ChannelInfo& c) { return c.name == name; }) - all.begin());
-  }
-  const ChannelInfo& info(std::size_t channel) const { return reader_.channels()[channel]; }
+  Measuring(const Assembly& a, const Plant& plant, FlightParts& parts, ChannelReader& reader,
+            std::vector<Meter>& meters, const std::atomic<bool>& stop)
+      : plant_(plant),
+        parts_(parts),
+        reader_(reader),
+        meters_(meters),
+        stop_(stop),
+        moments_(a, plant, parts.stack, reader.needs_previous()) {}
 
   void before(const Measurement<double>&, const Allocation<double>& last) {
     moments_.before(last);
@@ -62,30 +64,30 @@ class Measuring {
   void after(Tick k, const Measurement<double>& y, const Reference<double>& ref) {
     if (k % between_looks == 0 && stop_.load(std::memory_order_relaxed)) throw Stopped();
     if (reader_.needs_shadows()) shadows_.after(parts_);
-    const Moment& now = moments_.now(y, ref);
-    reader_.read(now);
-    for (Meter& m : meters) {
+    const double t = plant_.time();
+    reader_.read(moments_.now(t, y, ref));
+    for (Meter& m : meters_) {
       std::span<const double> x = reader_[m.channel];
       if (m.column >= 0) x = x.subspan(static_cast<std::size_t>(m.column), 1);
-      std::visit([&](auto& metric) { metric.add(now.t, x); }, m.metric);
+      std::visit([&](auto& metric) { metric.add(t, x); }, m.metric);
     }
-    moments_.after();
+    moments_.after(t);
   }
 
-  std::vector<Meter> meters;
-
  private:
-  ChannelReader reader_;
+  const Plant& plant_;
+  FlightParts& parts_;
+  ChannelReader& reader_;
+  std::vector<Meter>& meters_;
+  const std::atomic<bool>& stop_;
   Moments moments_;
   ShadowFlight shadows_;
-  FlightParts& parts_;
-  const std::atomic<bool>& stop_;
 };
 
 /// All that flies in one run.
 struct Objects {
   Assembly a;
-  truth::Plant plant;
+  AnyPlant plant;
   truth::Sensors sensors;
   ReferencePath reference;
   FlightParts parts;
@@ -93,10 +95,14 @@ struct Objects {
   Objects(Assembly a_in, const ExternalComponents& external, std::uint64_t number,
           const std::vector<std::string>& channels)
       : a(std::move(a_in)),
-        plant(a.plant, a.initial, a.setup.dt),
-        sensors(a.sensors, a.run.seed, number, wants_euler(a, channels), a.setup.dt),
+        plant(make_plant(a)),
+        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt),
         reference(a.reference, a.setup.dt),
         parts(a, external) {}
+
+  ChannelReader reader(const std::vector<std::string>& channels) const {
+    return {channels, a.setup.vehicle.actuators(), parts.components, parts.views, "measure"};
+  }
 };
 
 double number_at(const Table& table, const char* key, const Place& place, double lo, double hi) {
@@ -124,10 +130,9 @@ Experiment::Experiment(const Table& scenario, const std::vector<std::string>& va
     if (std::find(channels_.begin(), channels_.end(), channel) == channels_.end()) channels_.push_back(channel);
   }
   Objects objects(nominal_, external_ ? external_() : ExternalComponents{}, 0, channels_);  // refuses what they refuse
-  const std::atomic<bool> stop = false;
-  const Measuring measuring(objects.a, objects.plant, objects.parts, channels_, stop);
+  const ChannelReader reader = objects.reader(channels_);
   for (const Meter& m : meters_) {
-    const int size = measuring.info(measuring.channel(m.channel)).size;
+    const int size = reader.channels()[index_of(reader, m.channel)].size;
     if (m.column < size) continue;
     throw std::invalid_argument("measure '" + m.name + "': column = " + std::to_string(m.column) + "; " + m.channel +
                                 " has " + std::to_string(size) + " (0 to " + std::to_string(size - 1) + ")");
@@ -183,29 +188,33 @@ class Experiment::Worker {
       out.end.cause = refusal.what();
       return out;
     }
-    auto& [a, plant, sensors, reference, parts] = *objects;
-    Measuring measuring(a, plant, parts, e_.channels_, stop_);
-    for (const Meter& m : e_.meters_) {
-      measuring.meters.push_back({measuring.channel(m.channel), m.column, m.metric});
-      if (m.at_last_fault.empty()) continue;
-      const double onset = last_fault(a);
-      std::visit(
-          [&]<class M>(M& metric) {
-            M::describe(metric, [&](double& x, const Field& f) {
-              const auto& names = m.at_last_fault;
-              if (std::find(names.begin(), names.end(), f.name) != names.end()) x = onset;
-            });
-          },
-          measuring.meters.back().metric);
-    }
-    out.end = host::fly(plant, sensors, reference, parts.stack, a.ticks, measuring);
-    for (std::size_t i = 0; i < measuring.meters.size(); ++i) {
-      out.metrics[i] = std::visit([](const auto& metric) { return metric.value(); }, measuring.meters[i].metric);
-    }
+    ChannelReader reader = objects->reader(e_.channels_);
+    std::visit([&](auto& plant) { fly(*objects, plant, reader, out); }, objects->plant);
     return out;
   }
 
  private:
+  template <truth::Plant Plant>
+  void fly(Objects& o, Plant& plant, ChannelReader& reader, Flight& out) {
+    std::vector<typename Measuring<Plant>::Meter> meters;
+    const double onset = last_fault(o.a);
+    for (const Meter& m : e_.meters_) {
+      meters.push_back({index_of(reader, m.channel), m.column, m.metric});
+      const auto is_onset = [&](const Field& f) {
+        return std::find(m.at_last_fault.begin(), m.at_last_fault.end(), f.name) != m.at_last_fault.end();
+      };
+      const auto set = [&]<class M>(M& metric) {
+        M::describe(metric, [&](double& x, const Field& f) { x = is_onset(f) ? onset : x; });
+      };
+      std::visit(set, meters.back().metric);
+    }
+    Measuring<Plant> measuring(o.a, plant, o.parts, reader, meters, stop_);
+    out.end = host::fly(plant, o.sensors, o.reference, o.parts.stack, o.a.ticks, measuring);
+    for (std::size_t i = 0; i < meters.size(); ++i) {
+      out.metrics[i] = std::visit([](const auto& metric) { return metric.value(); }, meters[i].metric);
+    }
+  }
+
   const Experiment& e_;
   const std::atomic<bool>& stop_;
   Slots::Copy copy_;

@@ -5,9 +5,7 @@
 
 #include "gyrostat/flight/stack.hpp"
 #include "gyrostat/host/reference.hpp"
-#include "gyrostat/truth/integrator.hpp"
 #include "gyrostat/truth/plant.hpp"
-#include "gyrostat/truth/sensors.hpp"
 
 namespace gyrostat::host {
 
@@ -37,15 +35,13 @@ struct NobodyWatches {
 /// Flies `ticks` intervals; samples 0 ... ticks are stepped. A failing integration or a singularity ends the run with
 /// its time and cause, and one in which the stack never issued a command of its own is none; an exception of a component
 /// passes through.
-template <class Stack, class Watcher = NobodyWatches>
-RunEnd fly(truth::Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stack& stack, Tick ticks,
+template <truth::Plant Plant, class Stack, class Watcher = NobodyWatches>
+RunEnd fly(Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stack& stack, Tick ticks,
            Watcher&& watcher = Watcher{}) {
   RunEnd end;
   try {
     for (Tick k = 0;; ++k) {
-      const Measurement<double> y = plant.flies_euler()
-                                        ? sensors.measure(k, plant.euler(), plant.h_w())
-                                        : sensors.measure(k, plant.q_NB(), plant.omega_BN_B(), plant.h_w());
+      const Measurement<double> y = plant.measure(sensors);
       const Reference<double>& ref = reference.at(k);
       watcher.before(y, stack.last());
       stack.step(y, ref);
@@ -56,7 +52,7 @@ RunEnd fly(truth::Plant& plant, truth::Sensors& sensors, ReferencePath& referenc
       end.time = plant.time();
       watcher.after(k, y, ref);
       if (stack.last().status.has(Flag::singular)) {
-        const double pitch_deg = plant.euler().angles[1] * 57.295779513082320877;
+        const double pitch_deg = plant.sample().euler.angles[1] * 57.295779513082320877;
         end.code = RunEnd::Code::singular;
         end.cause = "Euler angles are singular: pitch " + std::to_string(pitch_deg) +
                     " deg at t = " + std::to_string(end.time) + " s";

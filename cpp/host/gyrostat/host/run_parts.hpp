@@ -43,33 +43,40 @@ class ShadowFlight {
 /// Keeps the moment of the present sample, and what a channel compares it with.
 class Moments {
  public:
-  Moments(const Assembly& a, const truth::Plant& plant, const Stack& stack, bool previous);
-  Moments(const Moments&) = delete;  // the moment points to what is kept here
-  Moments& operator=(const Moments&) = delete;
+  template <truth::Plant Plant>
+  Moments(const Assembly& a, const Plant& plant, const Stack& stack, bool previous)
+      : moment_(a.vehicles, plant), previous_(previous) {
+    moment_.u_held = VecN<double>::Zero(a.setup.vehicle.actuators());
+    moment_.before = plant.sample();
+    moment_.x = &stack.estimate();
+    moment_.det = &stack.detection();
+    moment_.demand = &stack.demand();
+    moment_.last = &stack.last();
+  }
 
   void before(const Allocation<double>& last) {
-    if (previous_ && !first_) u_held_ = last.u;
+    if (previous_ && !first_) moment_.u_held = last.u;
     first_ = false;
   }
-  const Moment& now(const Measurement<double>& y, const Reference<double>& ref) {
-    moment_.advance(plant_.time());
+  const Moment& now(double t, const Measurement<double>& y, const Reference<double>& ref) {
+    moment_.advance(t);
     moment_.y = &y;
     moment_.ref = &ref;
     return moment_;
   }
   /// The sample is over.
-  void after();
+  void after(double t) {
+    if (!previous_) return;
+    if (moment_.t != t) moment_.advance(t);
+    moment_.before = moment_.now();
+  }
 
  private:
-  const truth::Plant& plant_;
   Moment moment_;
   bool previous_, first_ = true;
-  VecN<double> u_held_, h_w_before_;
-  Vec3<double> omega_before_;
-  Vec3<double> angles_before_ = Vec3<double>::Zero();
 };
 
-/// Euler angles cost more than the rest of the measurement: filled for Euler laws, or when somebody reads them.
-bool wants_euler(const Assembly& a, const std::vector<std::string>& channels);
+/// Euler angles cost more than the rest of the measurement of a body: filled when somebody reads them.
+bool wants_euler(const std::vector<std::string>& channels);
 
 }  // namespace gyrostat::host

@@ -119,10 +119,10 @@ class ProgressClock {
 };
 
 /// Everything that looks on while the loop flies: shadows, recorder, events, progress.
+template <truth::Plant Plant>
 class Watcher {
  public:
-  Watcher(const Assembly& a, const truth::Plant& plant, FlightParts& parts, Recorder* recorder,
-          const RunOptions& options)
+  Watcher(const Assembly& a, const Plant& plant, FlightParts& parts, Recorder* recorder, const RunOptions& options)
       : plant_(plant),
         parts_(parts),
         recorder_(recorder),
@@ -140,15 +140,16 @@ class Watcher {
   void after(Tick k, const Measurement<double>& y, const Reference<double>& ref) {
     shadows_.after(parts_);
     events_.look(plant_.time(), parts_.stack.detection(), ref, parts_.stack.actions());
-    if (recorder_ != nullptr && (k % every_ == 0 || k == ticks_)) recorder_->record(moments_.now(y, ref));
-    moments_.after();
+    if (recorder_ != nullptr && (k % every_ == 0 || k == ticks_))
+      recorder_->record(moments_.now(plant_.time(), y, ref));
+    moments_.after(plant_.time());
     clock_.look(k);
   }
 
   std::vector<Event> take_events() && { return std::move(events_).take(); }
 
  private:
-  const truth::Plant& plant_;
+  const Plant& plant_;
   FlightParts& parts_;
   Recorder* recorder_;
   std::size_t every_;
@@ -231,12 +232,14 @@ std::string text_of(const GuardActions& did) {
 }
 
 std::vector<CheckRow> check(const Assembly& a, const ExternalComponents& external) {
-  (void)truth::Plant(a.plant, a.initial, a.setup.dt);
+  (void)make_plant(a);
   (void)ReferencePath(a.reference, a.setup.dt);
   return check_components(a, external);
 }
 
-truth::InnerRates inner_rates(const Assembly& a) { return truth::Plant(a.plant, a.initial, a.setup.dt).inner_rates(); }
+truth::InnerRates inner_rates(const Assembly& a) {
+  return std::visit([](const auto& plant) { return plant.inner_rates(); }, make_plant(a));
+}
 
 std::vector<ChannelInfo> channels(const Assembly& a, const ExternalComponents& external) {
   const FlightParts parts(a, external);
@@ -266,10 +269,11 @@ RunResult simulate(const Table& scenario, const ExternalComponents& external, co
   return simulate(assemble(scenario), external, options);
 }
 
-RunResult simulate(const Assembly& a, const ExternalComponents& external, const RunOptions& given) {
-  const RunOptions options = with_record_block(given, a.record);
-  truth::Plant plant(a.plant, a.initial, a.setup.dt);
-  truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(a, options.channels), a.setup.dt);
+namespace {
+
+RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalComponents& external,
+                const RunOptions& options) {
+  truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(options.channels), a.setup.dt);
   ReferencePath reference(a.reference, a.setup.dt);
   FlightParts parts(a, external);
   std::optional<Recorder> recorder;
@@ -289,6 +293,14 @@ RunResult simulate(const Assembly& a, const ExternalComponents& external, const 
     result.channels = std::move(*recorder).take();
   }
   return result;
+}
+
+}  // namespace
+
+RunResult simulate(const Assembly& a, const ExternalComponents& external, const RunOptions& given) {
+  const RunOptions options = with_record_block(given, a.record);
+  AnyPlant plant = make_plant(a);
+  return std::visit([&](auto& p) { return flown(a, p, external, options); }, plant);
 }
 
 }  // namespace gyrostat::host

@@ -2,13 +2,16 @@
 /// @file  Actuators as they really are: limits, wheels with friction, and the faults on top.
 ///
 /// Over one control period the command is held, so what an actuator delivers is a function of time alone, but for
-/// bearing friction (which depends on wheel speed and belongs to the equations of motion, see body.hpp).
+/// bearing friction (which depends on wheel speed and belongs to the equations of motion, see effectors/).
 /// Sign: command, delivered torque, effectiveness and bias act ON the body along the actuator's axis.
 #pragma once
 #include <array>
+#include <cmath>
+#include <stdexcept>
 #include <vector>
 
-#include "gyrostat/truth/faults.hpp"
+#include "gyrostat/core/power.hpp"
+#include "gyrostat/truth/faults/list.hpp"
 
 namespace gyrostat::truth {
 
@@ -29,20 +32,17 @@ struct Actuators {
 
   int size() const noexcept { return static_cast<int>(u_lo.size()); }
   bool is_wheel(int i) const noexcept { return wheel_inertia[i] > 0; }
+  Limits limits(int i) const noexcept { return {u_lo[i], u_up[i]}; }
   /// What is wrong with the numbers; empty when nothing is.
   std::string check() const;
 };
 
-/// One actuator's law on one smooth piece: delivered = effectiveness u + bias, before an output limit.
-struct Effect {
-  double effectiveness = 1, bias = 0;
-};
-
-/// Actuators with their faults and the command they hold.
-class FaultyActuators {
+/// Actuators with their faults and the command they hold. A `List` is a FaultList.
+template <class List>
+class FaultyActuatorsOf {
  public:
   /// @throws std::invalid_argument for a fault that does not fit, or two that contradict.
-  FaultyActuators(Actuators actuators, std::vector<Fault> faults);
+  FaultyActuatorsOf(Actuators actuators, std::vector<List> faults);
 
   int size() const noexcept { return actuators_.size(); }
   const Actuators& actuators() const noexcept { return actuators_; }
@@ -75,21 +75,138 @@ class FaultyActuators {
   /// What the faults of one actuator amount to on the current piece.
   struct Law {
     bool constant = true;
-    Effect effect;         ///< of a constant law, without dead zone
-    double dead_zone = 0;  ///< N m
+    Effect effect;  ///< of a constant law
   };
   Effect combine(int i, double t) const noexcept;
   void deliver_constants() noexcept;
   double limited_output(int i, double torque) const noexcept;
+  double output(int i, const Effect& e) const noexcept { return limited_output(i, e.effectiveness * u_[i] + e.bias); }
+  /// The same law where the command is: nothing of it below the dead zone.
+  Effect at_command(int i, Effect e) const noexcept {
+    if (std::abs(u_[i]) < e.dead_zone) e.effectiveness = 0;
+    return e;
+  }
 
   Actuators actuators_;
-  std::vector<Fault> faults_;
-  VecN<double> u_;       ///< held command, limited when limits act on it
-  VecN<double> frozen_;  ///< what locked actuators deliver
+  std::vector<List> faults_;
+  std::vector<double> at_onset_;  ///< N m, what the actuator of each fault delivered when it began
+  VecN<double> u_;                ///< held command, limited when limits act on it
   VecN<double> constant_delivered_;
   bool all_constant_ = true;
-  double fastest_ = 0, branch_ = 0;
+  double fastest_ = 0, branch_ = -infinity;  ///< the branch is before every onset until the first piece begins
   std::array<Law, max_actuators> law_{};
 };
+
+using FaultyActuators = FaultyActuatorsOf<Fault>;
+
+// ---- its definitions -------------------------------------------------------------------------------------------------
+
+template <class List>
+FaultyActuatorsOf<List>::FaultyActuatorsOf(Actuators actuators, std::vector<List> faults)
+    : actuators_(std::move(actuators)), faults_(std::move(faults)), at_onset_(faults_.size(), 0.0) {
+  const auto refuse_if = [](const std::string& error) {
+    if (!error.empty()) throw std::invalid_argument(error);
+  };
+  refuse_if(actuators_.check());
+  std::vector<Limits> limits;
+  for (int i = 0; i < size(); ++i) limits.push_back(actuators_.limits(i));
+  for (const List& fault : faults_) refuse_if(std::visit([&](const auto& f) { return check(f, limits); }, fault));
+  refuse_if(contradiction(faults_));
+  u_ = constant_delivered_ = VecN<double>::Zero(size());
+}
+
+template <class List>
+double FaultyActuatorsOf<List>::next_switch(double t) const noexcept {
+  double next = infinity;
+  for (const List& fault : faults_) {
+    next = std::min(next, std::visit([&](const auto& f) { return truth::next_switch(f, t); }, fault));
+  }
+  return next;
+}
+
+template <class List>
+void FaultyActuatorsOf<List>::enter(double t, double branch) noexcept {
+  for (std::size_t k = 0; k < faults_.size(); ++k) {  // still in the old piece: what was delivered until now
+    const Window& window = window_of(faults_[k]);
+    if (!window.holds(branch) || window.holds(branch_)) continue;
+    at_onset_[k] = branch_ == -infinity ? 0.0 : delivered(window.actuator, t);
+  }
+  branch_ = branch;
+  fastest_ = 0;
+  all_constant_ = true;
+  for (int i = 0; i < size(); ++i) {
+    Law& law = law_[static_cast<std::size_t>(i)];
+    law = {};
+    double fastest_here = 0;
+    for (const List& fault : faults_) {
+      if (window_of(fault).actuator != i || !window_of(fault).holds(branch)) continue;
+      law.constant = law.constant && std::visit([](const auto& f) { return piecewise_constant(f); }, fault);
+      fastest_here += std::visit([](const auto& f) { return truth::fastest(f); }, fault);
+    }
+    if (law.constant) law.effect = combine(i, t);
+    fastest_ = std::max(fastest_, fastest_here);
+    all_constant_ = all_constant_ && law.constant;
+  }
+  deliver_constants();
+}
+
+template <class List>
+double FaultyActuatorsOf<List>::limited_output(int i, double torque) const noexcept {
+  if (actuators_.limit_on == LimitOn::command) return torque;
+  return torque < actuators_.u_lo[i] ? actuators_.u_lo[i] : (torque > actuators_.u_up[i] ? actuators_.u_up[i] : torque);
+}
+
+template <class List>
+void FaultyActuatorsOf<List>::deliver_constants() noexcept {
+  for (int i = 0; i < size(); ++i) {
+    const Law& law = law_[static_cast<std::size_t>(i)];
+    if (law.constant) constant_delivered_[i] = output(i, at_command(i, law.effect));
+  }
+}
+
+template <class List>
+void FaultyActuatorsOf<List>::command(const VecN<double>& u) noexcept {
+  u_ = u;
+  if (actuators_.limit_on == LimitOn::command) u_ = clip(u, actuators_.u_lo, actuators_.u_up);
+  deliver_constants();
+}
+
+/// Of all active faults of actuator i; after one that decides the output nothing else counts.
+template <class List>
+Effect FaultyActuatorsOf<List>::combine(int i, double t) const noexcept {
+  Effect effect;
+  for (std::size_t k = 0; k < faults_.size(); ++k) {
+    const bool decided = std::visit(
+        [&](const auto& f) {
+          if (f.window.actuator != i || !f.window.holds(branch_)) return false;
+          f.apply(effect, At{t, branch_, actuators_.limits(i), at_onset_[k]});
+          return f.decides_output;
+        },
+        faults_[k]);
+    if (decided) break;
+  }
+  return effect;
+}
+
+template <class List>
+Effect FaultyActuatorsOf<List>::effect(int i, double t) const noexcept {
+  const Law& law = law_[static_cast<std::size_t>(i)];
+  return at_command(i, law.constant ? law.effect : combine(i, t));
+}
+
+template <class List>
+double FaultyActuatorsOf<List>::delivered(int i, double t) const noexcept {
+  return output(i, effect(i, t));
+}
+
+template <class List>
+int FaultyActuatorsOf<List>::limit_side(int i, double t) const noexcept {
+  const Effect e = effect(i, t);
+  const double commanded = e.effectiveness * u_[i], torque = commanded + e.bias;
+  const double rounding = 1e-12 * (std::abs(commanded) + std::abs(e.bias));
+  return torque < actuators_.u_lo[i] - rounding ? -1 : (torque > actuators_.u_up[i] + rounding ? 1 : 0);
+}
+
+extern template class FaultyActuatorsOf<Fault>;
 
 }  // namespace gyrostat::truth

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  Laws over one piece of time, as cubics of x in [0, 1], and the time at which something happens.
+/// @file  Laws over one piece of time, as polynomials, and the time at which something happens.
 #pragma once
 #include <array>
 
@@ -32,6 +32,20 @@ inline double value(const Cubic& c, double x) noexcept { return c[0] + x * (c[1]
 inline double integral(const Cubic& c, double x) noexcept {
   return x * (c[0] + x * (c[1] / 2 + x * (c[2] / 3 + x * c[3] / 4)));
 }
+
+/// A polynomial of time of degree at most 4, for t in [t0, t0 + 1 / per_length].
+template <class T>
+struct Quartic {
+  double t0 = 0, per_length = 0;
+  int degree = 0;
+  std::array<T, 5> c{};
+
+  T operator()(double t) const noexcept {
+    const double x = (t - t0) * per_length;
+    if (degree <= 1) return c[0] + x * c[1];
+    return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * c[4])));
+  }
+};
 
 /// Where `beyond` turns from false at lo to true at hi, from above.
 template <class Predicate>

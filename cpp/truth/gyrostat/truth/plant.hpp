@@ -1,28 +1,26 @@
 // SPDX-License-Identifier: MIT
-/// @file  What really flies: body, faulty actuators, disturbances and integrator behind one face.
-///
-/// A command is held from sample to sample. Each interval is split at fault and disturbance switches, so no smooth
-/// piece straddles one; switches within 1e-9 s of a sample are moved onto it. A wheel that reaches or leaves its
-/// momentum limit, or comes to rest in its bearing or breaks loose, ends a piece at that time.
+/// @file  What flies: what the loop, the recorder and the metrics ask of a plant, and what its models have in common.
 #pragma once
-#include <optional>
+#include <concepts>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
-#include "gyrostat/truth/cubic.hpp"
-#include "gyrostat/truth/euler_body.hpp"
+#include "gyrostat/truth/actuators.hpp"
+#include "gyrostat/truth/disturbances.hpp"
 #include "gyrostat/truth/integrator.hpp"
+#include "gyrostat/truth/sensors.hpp"
 
 namespace gyrostat::truth {
 
 /// The true vehicle and what happens to it.
 struct PlantModel {
-  Mat3<double> J_B = Mat3<double>::Identity();  ///< kg m^2; with wheels: total inertia less sum Js g g'
+  Mat3<double> J_B = Mat3<double>::Identity();  ///< kg m^2, total inertia less what effectors take (wheels: Js g g')
   Mat3N<double> D_B{3, 0};                      ///< actuator axes in columns
   Actuators actuators = Actuators::ideal(0);
   std::vector<Fault> faults;
   std::vector<Disturbance> disturbances;
-  double orbit_rate = 0;                        ///< rad/s, for gravity_gradient and the Euler-angle model
-  Coordinates coordinates = Coordinates::body;  ///< euler_angles: euler_body.hpp flies, omega_BN_B are Euler rates
+  double orbit_rate = 0;  ///< rad/s, for gravity_gradient and the Euler-angle model
   Integrator integrator;
 };
 
@@ -40,6 +38,7 @@ struct TruthSample {
   Quat<double> q_NB = Quat<double>::Identity();
   Vec3<double> omega_BN_B = Vec3<double>::Zero();     ///< rad/s
   Vec3<double> omegadot_BN_B = Vec3<double>::Zero();  ///< rad/s^2
+  EulerState<double> euler;                           ///< roll, pitch, yaw and their rates
   VecN<double> h_w;                                   ///< N m s
   VecN<double> delivered;      ///< N m on the body along each axis, limits and friction included: h_w' = -delivered
   VecN<double> effectiveness;  ///< of the faults
@@ -59,143 +58,26 @@ struct InnerRates {
 /// Attitude, rate or momentum became infinite or NaN.
 class NonFiniteState : public std::runtime_error {
  public:
-  explicit NonFiniteState(double time);
+  explicit NonFiniteState(double time_in)
+      : std::runtime_error("the state is no longer finite at t = " + std::to_string(time_in) + " s"), time(time_in) {}
   double time;  ///< s
 };
 
-class Plant {
- public:
-  /// @param dt  sample period, s
-  /// @throws std::invalid_argument with one line that says what does not fit
-  Plant(PlantModel model, const InitialState& initial, double dt);
-
-  /// Holds the command u (N m, one an actuator) from this sample to the next. Takes at most 200 000 steps.
-  /// @throws IntegrationError, NonFiniteState, std::invalid_argument when u has the wrong length
-  void advance(const VecN<double>& u);
-  /// Holds u to any time not before the present one, in one interval. `advance` then goes on to the next sample.
-  void advance_to(const VecN<double>& u, double t_end);
-
-  Tick tick() const noexcept { return tick_; }
-  double time() const noexcept { return t_; }
-  const Quat<double>& q_NB() const noexcept { return q_NB_; }  ///< unit, sign continuous
-  const Vec3<double>& omega_BN_B() const noexcept { return omega_BN_B_; }
-  const VecN<double>& h_w() const noexcept { return h_w_; }  ///< zero for torquers
-  /// The Euler-angle model flies: its state are the angles, which are not confined to a range.
-  bool flies_euler() const noexcept { return euler_body_.has_value(); }
-  /// Roll, pitch, yaw and their rates.
-  EulerState<double> euler() const noexcept;
-
-  TruthSample sample() const;
-  IntegratorStatistics statistics() const;
-  InnerRates inner_rates() const noexcept;
-
- private:
-  using State = std::array<double, Body::max_states>;
-
-  /// Wheels that are no longer what they were when the piece began, and why.
-  struct Passed {
-    Mask stopped, filled, loosened;
-    double by = -infinity;  ///< the furthest that any is beyond its bound, relative
-
-    void look(Mask& why, int i, double beyond) noexcept {
-      why.set(i, beyond > 0);
-      by = beyond > by ? beyond : by;
-    }
-  };
-
-  std::uint64_t steps() const noexcept { return cvode_ ? cvode_->steps() : statistics_.steps; }
-  void limit_work(double t) const;
-  void enter_piece();
-  void step_towards(double stop);
-  double smooth_end(double stop) const noexcept;
-  double first_kink(double t1) const noexcept;
-  void fit_delivered(double t1) noexcept;
-  void set_exchange() noexcept;
-
-  void settle_wheels() noexcept;
-  void settle_standing() noexcept;
-  void add_standing_inertia() noexcept;
-  void store(int i, double momentum) noexcept;
-  Passed passed(double t, const State& y) const noexcept;
-
-  double least_steps(double length) const;
-  double rk4_steps(double length) const noexcept;
-  void integrate(double t1);
-  double integrate_watching(double t1);
-  bool looks_ahead() const noexcept { return watched_.any() && !body_.friction_wheels.empty(); }
-  template <bool friction, bool varying>
-  void integrate_rigid(double t1);
-  template <int capacity, auto derivative, bool unit_quaternion, class Context>
-  void integrate_as(const Context& context, double t1);
-  template <int capacity, class F>
-  double pair_towards(const F& rhs, double t, double t1, State& y);
-  double look_ahead(double t1, State& y);
-  void single_step(double t1, State& y);
-  Rhs rhs_of_wheels() const noexcept;
-  void absorb_torquer_impulse() noexcept;
-  void take_up_storage(double x) noexcept;
-  void publish();
-
-  /// N m s now, of wheel i without what turns with the body when it stands; the impulse that torquer i has given away.
-  double momentum(int i) const noexcept {
-    const int j = counted_[static_cast<std::size_t>(i)];
-    const double taken = j < 0 ? 0.0 : y_[static_cast<std::size_t>(Body::rigid_states + j)];
-    return stored_[i] + stored_rest_[i] + taken;
-  }
-  // At (t - t_) / length_ = x of the present piece, in state y.
-  double momentum(int i, double x, const State& y, const Vec3<double>& omega_BN_B) const noexcept;
-  Vec3<double> rate(double x, const State& y) const noexcept;
-  Vec3<double> moment(double x, const State& y, const Vec3<double>& omega_BN_B) const noexcept;
-
-  double turned_momentum(int i, const Vec3<double>& omega_BN_B) const noexcept;
-  double speed(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept;
-  double speed_parts(int i, double momentum, const Vec3<double>& omega_BN_B) const noexcept;
-  double friction(int i, double speed) const noexcept;
-  double inward(int i, int side, double drive, double speed) const noexcept;
-  bool turning(int i) const noexcept { return !full_.test(i) && !standing_.test(i); }
-  Motion motion() const noexcept { return {body_, external_, exchange_}; }
-
-  Body body_;
-  std::optional<EulerBody> euler_body_;
-  FaultyActuators actuators_;
-  Disturbances external_;
-  double dt_;
-  int rk4_substeps_ = 0;  ///< zero: another integrator
-  bool restart_each_sample_ = false;
-  std::optional<CvodeSolver> cvode_;
-  Auto pair_;                      ///< its tolerance: of `auto`, and of the look ahead for CVODE
-  double pair_length_ = infinity;  ///< s, of its next step
-  double inverse_inertia_ = 0;     ///< norm of the inverse
-
-  Tick tick_ = 0;
-  double t_ = 0;
-  double piece_end_ = 0;  ///< next switch
-  bool restart_ = true;   ///< the right-hand side jumped
-  bool commanded_ = false;
-  std::uint64_t steps_before_ = 0;  ///< when the sample began
-  double length_ = 0;               ///< s, of the present piece, which begins at t_
-  double pieces_ = 0;               ///< what it counts for in the statistics
-  State y_{};
-  VecN<double> stored_;       ///< h_w of turning and full wheels without what viscous friction took, p of torquers
-  VecN<double> stored_rest_;  ///< what rounding kept out of stored_ (compensated summation)
-  int degree_ = 0;
-  std::array<Cubic, max_actuators> delivered_{};  ///< N m, in (t - t_) / length_, without viscous friction
-  std::array<Cubic, max_actuators> drive_{};      ///< of watched wheels, also without dry friction and momentum limit
-  Exchange exchange_;
-  std::array<int, max_actuators> friction_index_{};  ///< into the friction states; -1: none
-  std::array<int, max_actuators> counted_{};         ///< the same; -1 also while what friction takes is no part of h_w
-
-  // Wheels with a momentum limit or dry friction. On a piece each of them turns, or
-  Mask watched_;
-  Mask full_;      ///< rests at its limit: drive and friction would take it further out, nothing is delivered
-  Mask standing_;  ///< rests in its bearing: dry friction takes what keeps its speed at zero
-  std::array<int, max_actuators> direction_{};  ///< sign of the speed, for dry friction; 0: at rest
-  Passed passed_;                               ///< at the end of the last piece
-  IntegratorStatistics statistics_;
-
-  Quat<double> q_NB_;
-  Vec3<double> omega_BN_B_;
-  VecN<double> h_w_;
+/// A model of what flies. It is constructed from (PlantModel, InitialState, period) and names no coordinates to anybody.
+template <class P>
+concept Plant = requires(P p, const P& c, Sensors& sensors, const VecN<double>& u, const Vec3<double>& angles) {
+  { c.time() } noexcept -> std::same_as<double>;                // s
+  { c.measure(sensors) } -> std::same_as<Measurement<double>>;  // what they show of it at this sample
+  p.advance(u);                                                 // holds u (N m) to the next sample
+  { c.q_NB() } noexcept -> std::same_as<const Quat<double>&>;
+  { c.omega_BN_B() } noexcept -> std::same_as<const Vec3<double>&>;  // or Euler rates
+  { c.h_w() } noexcept -> std::same_as<const VecN<double>&>;
+  { c.sample() } -> std::same_as<TruthSample>;
+  { c.statistics() } -> std::same_as<IntegratorStatistics>;
+  { c.inner_rates() } -> std::same_as<InnerRates>;
+  {
+    P::angle_difference(angles, angles)
+  } -> std::same_as<Vec3<double>>;  // of roll, pitch, yaw; up to full turns, or not
 };
 
 }  // namespace gyrostat::truth

@@ -95,7 +95,8 @@ void Sensors::apply_faults(double t, Vec3<double>& rate) {
 }
 
 /// Where a sensor gives nothing, the number that stood there last goes on standing there.
-void Sensors::drop_out(double t, Measurement<double>& y) {
+void Sensors::drop_out(Measurement<double>& y) {
+  const double t = static_cast<double>(y.tick) * dt_;
   if (rate_dropouts_.empty() && attitude_dropouts_.empty() && momentum_dropouts_.empty()) return;
   const auto any = [t](const auto& faults) {
     return std::any_of(faults.begin(), faults.end(), [t](const auto& fault) { return active(fault, t); });
@@ -115,25 +116,32 @@ void Sensors::drop_out(double t, Measurement<double>& y) {
   last_ = y;
 }
 
-Vec3<double> Sensors::measured_rate(Tick tick, const Vec3<double>& omega_BN_B) {
-  Vec3<double> rate = rates_.through(omega_BN_B) + gyro_.bias;
-  if (gyro_.noise > 0) rate += gyro_.noise * standard_normals(seed_, run_, gyro_stream, tick);
-  for (double& element : rate) element = quantised(element, gyro_.quantisation);
-  apply_faults(static_cast<double>(tick) * dt_, rate);
-  return rate;
+Vec3<double> Sensors::rate(Tick tick, const Vec3<double>& omega) {
+  Vec3<double> shown = rates_.through(omega) + gyro_.bias;
+  if (gyro_.noise > 0) shown += gyro_.noise * standard_normals(seed_, run_, gyro_stream, tick);
+  for (double& element : shown) element = quantised(element, gyro_.quantisation);
+  apply_faults(static_cast<double>(tick) * dt_, shown);
+  return shown;
 }
 
-Measurement<double> Sensors::measure(Tick tick, const EulerState<double>& truth, const VecN<double>& h_w) {
-  Measurement<double> y;
-  y.tick = tick;
-  y.h_w = h_w;
-  y.omega_BN_B = y.euler.rates = measured_rate(tick, truth.rates);
-  y.euler.angles = angles_.through(truth.angles);
-  if (attitude_.noise > 0) y.euler.angles += attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
-  for (double& angle : y.euler.angles) angle = quantised(angle, attitude_.quantisation);
-  y.q_NB = quat_from_euler(y.euler.angles);
-  drop_out(static_cast<double>(tick) * dt_, y);
-  return y;
+Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB) {
+  Quat<double> q = attitudes_.through(q_NB);
+  if (attitude_.noise > 0) {
+    const Vec3<double> error_B = attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
+    q = q * quat_exp(error_B);
+  }
+  if (attitude_.quantisation > 0) {
+    for (double& element : q.coeffs()) element = quantised(element, attitude_.quantisation / 2);
+    q.normalize();
+  }
+  return q;
+}
+
+Vec3<double> Sensors::angles(Tick tick, const Vec3<double>& angles) {
+  Vec3<double> shown = angles_.through(angles);
+  if (attitude_.noise > 0) shown += attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
+  for (double& angle : shown) angle = quantised(angle, attitude_.quantisation);
+  return shown;
 }
 
 Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
@@ -141,24 +149,13 @@ Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const 
   Measurement<double> y;
   y.tick = tick;
   y.h_w = h_w;
-
-  y.omega_BN_B = measured_rate(tick, omega_BN_B);
-
-  y.q_NB = attitudes_.through(q_NB);
-  if (attitude_.noise > 0) {
-    const Vec3<double> error_B = attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
-    y.q_NB = y.q_NB * quat_exp(error_B);
-  }
-  if (attitude_.quantisation > 0) {
-    for (double& element : y.q_NB.coeffs()) element = quantised(element, attitude_.quantisation / 2);
-    y.q_NB.normalize();
-  }
-
+  y.omega_BN_B = rate(tick, omega_BN_B);
+  y.q_NB = attitude(tick, q_NB);
   if (euler_) {
     y.euler.angles = euler(y.q_NB);
     y.euler.rates = euler_rates(y.euler.angles, y.omega_BN_B);
   }
-  drop_out(static_cast<double>(tick) * dt_, y);
+  drop_out(y);
   return y;
 }
 

@@ -125,12 +125,15 @@ class Sensors {
   /// To be called once a sample, in order: delays count calls. Until a delay has filled, the first values are given.
   Measurement<double> measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
                               const VecN<double>& h_w);
-  /// The same on the Euler-angle model: the gyro shows the Euler rates, the attitude sensor's error adds to the angles.
-  Measurement<double> measure(Tick tick, const EulerState<double>& euler, const VecN<double>& h_w);
+
+  // The parts, for a plant that is measured otherwise: each of them once a sample, then what drops out.
+  Vec3<double> rate(Tick tick, const Vec3<double>& omega);
+  Quat<double> attitude(Tick tick, const Quat<double>& q_NB);
+  /// Roll, pitch, yaw: the attitude sensor's error adds to them.
+  Vec3<double> angles(Tick tick, const Vec3<double>& angles);
+  void drop_out(Measurement<double>& y);
 
  private:
-  Vec3<double> measured_rate(Tick tick, const Vec3<double>& omega_BN_B);
-
   /// The last `delay` + 1 values.
   template <class T>
   class DelayLine {
@@ -146,7 +149,6 @@ class Sensors {
 
   bool take_fault(const Sensor& sensor);
   void apply_faults(double t, Vec3<double>& rate);
-  void drop_out(double t, Measurement<double>& y);
 
   Gyro gyro_;
   AttitudeSensor attitude_;

@@ -16,8 +16,8 @@ PlantModel mixed_vehicle() {
   m.actuators.wheel_inertia = vec({0.05, 0, 0.08, 0});
   m.actuators.viscous_friction = vec({0, 0, 1e-3, 0});
   m.actuators.coulomb_friction = vec({0, 0, 2e-3, 0});
-  m.faults = {LossOfEffectiveness{.actuator = 1, .remaining = 0.5},
-              Bias{.actuator = 3, .torque = SineWave{0.1, 0.05, 2, 0}}};
+  m.faults = {LossOfEffectiveness{.window = {.actuator = 1}, .remaining = 0.5},
+              Bias{.window = {.actuator = 3}, .torque = SineWave{0.1, 0.05, 2, 0}}};
   m.disturbances = {GravityGradient{}, ConstantTorque{{0.01, 0, -0.02}}};
   m.orbit_rate = 0.05;
   return m;
@@ -26,9 +26,9 @@ PlantModel mixed_vehicle() {
 InitialState moving() { return {quat_from_mrp(sigma_0), {0.2, -0.3, 0.4}, vec({3, 0, -2, 0})}; }
 
 // Newton and Euler in the rate form J w' = D delivered + d - w x (J w + D h_w), against the momentum form that is integrated.
-TEST(Body, MomentumFormGivesTheRateOfTheRateForm) {
+TEST(MomentumForm, MomentumFormGivesTheRateOfTheRateForm) {
   const double h = 1e-3;
-  Plant plant(mixed_vehicle(), moving(), h);
+  RigidPlant plant(mixed_vehicle(), moving(), h);
   const VecN<double> u = vec({0.3, -0.2, 0.1, 0.4});
   const Vec3<double> w0 = plant.omega_BN_B();
   const VecN<double> h0 = plant.h_w();
@@ -45,12 +45,12 @@ TEST(Body, MomentumFormGivesTheRateOfTheRateForm) {
   EXPECT_EQ(plant.h_w()[1], 0);
 }
 
-TEST(Body, TotalMomentumInInertialSpaceChangesByTheExternalTorqueAlone) {
+TEST(MomentumForm, TotalMomentumInInertialSpaceChangesByTheExternalTorqueAlone) {
   PlantModel m = wheels(Rk4{});
   m.actuators.viscous_friction.setConstant(1e-3);
-  m.faults = {Bias{.actuator = 3, .torque = SineWave{0.1, 0.05, 2, 0}},
-              StuckOutput{.actuator = 0, .t_on = 1.2345, .torque = 0.1}};
-  Plant plant(m, driven_start(), 1e-2);
+  m.faults = {Bias{.window = {.actuator = 3}, .torque = SineWave{0.1, 0.05, 2, 0}},
+              StuckOutput{.window = {.actuator = 0, .t_on = 1.2345}, .torque = 0.1}};
+  RigidPlant plant(m, driven_start(), 1e-2);
   const auto momentum_N = [&] {
     return Vec3<double>(plant.q_NB() * (m.J_B * plant.omega_BN_B() + torque<double>(m.D_B, plant.h_w())));
   };
@@ -59,16 +59,16 @@ TEST(Body, TotalMomentumInInertialSpaceChangesByTheExternalTorqueAlone) {
   EXPECT_LE((momentum_N() - H0).norm(), 1e-10 * H0.norm());  // rk4 at 10 ms: 2e-12 in attitude over 200 s
 }
 
-TEST(Body, RefusesWhatIsNoInertia) {
+TEST(MomentumForm, RefusesWhatIsNoInertia) {
   PlantModel m = torquers();
   m.J_B(0, 1) = 1;  // not symmetric
-  EXPECT_THROW(Plant(m, free_start(), 0.01), std::invalid_argument);
+  EXPECT_THROW(RigidPlant(m, free_start(), 0.01), std::invalid_argument);
   m.J_B = Vec3<double>{1, 1, -1}.asDiagonal();
-  EXPECT_THROW(Plant(m, free_start(), 0.01), std::invalid_argument);
+  EXPECT_THROW(RigidPlant(m, free_start(), 0.01), std::invalid_argument);
   m = torquers();
   m.D_B.resize(3, 3);
   m.D_B.setIdentity();
-  EXPECT_THROW(Plant(m, free_start(), 0.01), std::invalid_argument);  // four actuators
+  EXPECT_THROW(RigidPlant(m, free_start(), 0.01), std::invalid_argument);  // four actuators
 }
 
 }  // namespace

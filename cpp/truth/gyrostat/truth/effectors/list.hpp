@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+/// @file  The effectors there are. A new kind is its header and a word here.
+#pragma once
+#include "gyrostat/truth/effectors/torquer.hpp"
+#include "gyrostat/truth/effectors/wheel.hpp"
+
+namespace gyrostat::truth {
+
+using Effectors = EffectorList<Wheel, FrictionWheel, Torquer>;
+
+}  // namespace gyrostat::truth

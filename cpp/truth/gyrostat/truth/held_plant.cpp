@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: MIT
+#include "gyrostat/truth/held_plant.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cstdio>
+
+namespace gyrostat::truth {
+namespace {
+
+constexpr double snap = 1e-9;  // s, switches this close are simultaneous
+
+/// Longest piece of a varying law, in radians of its fastest part: a cubic through four Gauss nodes then errs by
+/// (0.05)^4 / 1680 = 4e-9 of the amplitude inside, and by order 8 in the integral over the piece.
+constexpr double longest_angle = 0.05;
+constexpr double shortest_piece = 1e-6;  // s, however fast a law is
+
+constexpr std::uint64_t most_steps = 200'000;  // of a sample
+
+}  // namespace
+
+std::string detail::text(double x) {
+  std::array<char, 32> out{};
+  std::snprintf(out.data(), out.size(), "%.3g", x);
+  return out.data();
+}
+
+HeldPlant::HeldPlant(PlantModel& model, const InitialState& initial, double dt, const Mat3<double>& J_total_B,
+                     int states)
+    : J_B_(model.J_B),
+      J_B_inverse_(model.J_B.inverse()),
+      D_B_(model.D_B),
+      states_(states),
+      actuators_(std::move(model.actuators), std::move(model.faults)),
+      external_(std::move(model.disturbances), J_total_B, model.orbit_rate),
+      dt_(dt) {
+  const bool symmetric =
+      (J_B_ - J_B_.transpose()).norm() <= 1e-12 * J_B_.norm();  // rounding of what the caller computed
+  detail::refuse_if(!J_B_.allFinite() || !symmetric || Eigen::LLT<Mat3<double>>(J_B_).info() != Eigen::Success,
+                    "body: the inertia (less the wheels' axial inertia) must be symmetric and positive definite");
+  const int n = actuators_.size();
+  if (D_B_.cols() != n || !D_B_.allFinite()) {
+    throw std::invalid_argument("body: D_B must be finite with one column for each of the " + std::to_string(n) +
+                                " actuators");
+  }
+  detail::refuse_if(!(dt > 0) || !std::isfinite(dt), "plant: dt must be positive and finite");
+  detail::refuse_if(!initial.omega_BN_B.allFinite(), "plant: the initial rate must be finite");
+  stored_ = initial.h_w.size() == 0 ? VecN<double>::Zero(n) : initial.h_w;
+  detail::refuse_if(stored_.size() != n || !stored_.allFinite(),
+                    "plant: h_w must be finite, with one element an actuator");
+  stored_rest_ = h_w_ = VecN<double>::Zero(n);
+  held_.J_B_inverse = J_B_inverse_;
+  inverse_inertia_ = J_B_inverse_.norm();
+  if (const auto* cvode = std::get_if<Cvode>(&model.integrator)) {
+    cvode_.emplace(*cvode, states_);
+    restart_each_sample_ = cvode->restart_each_sample;
+    pair_ = {cvode->rtol, cvode->atol};
+  } else if (const auto* pair = std::get_if<Auto>(&model.integrator)) {
+    pair_ = *pair;
+  } else {
+    rk4_substeps_ = std::get<Rk4>(model.integrator).substeps;
+    detail::refuse_if(rk4_substeps_ < 1, "rk4: substeps must be at least 1");
+  }
+}
+
+void HeldPlant::begin(const Vec3<double>& omega_BN_B) {
+  held_.leaves = !outer_.any() ? Held::Leaves::nothing : outer_ == along_ ? Held::Leaves::all : Held::Leaves::some;
+  publish();
+  omega_BN_B_ = omega_BN_B;
+  enter_piece();
+}
+
+// ---- time -----------------------------------------------------------------------------------------------------------
+
+void HeldPlant::advance(const VecN<double>& u) {
+  const Tick next = tick_ + 1;
+  advance_to(u, static_cast<double>(next) * dt_);
+  tick_ = next;
+}
+
+void HeldPlant::advance_to(const VecN<double>& u, double t_end) {
+  detail::refuse_if(u.size() != actuators_.size(), "plant: the command must have one element an actuator");
+  detail::refuse_if(!(t_end >= t_), "plant: cannot go back in time");
+  if (t_ >= piece_end_ - snap) enter_piece();  // before the command: a lock freezes what was delivered until now
+  actuators_.command(u);
+  commanded_ = true;
+  if (restart_each_sample_) restart_ = true;
+  steps_before_ = steps();
+  while (t_ < t_end) {
+    const double stop = piece_end_ < t_end - snap ? piece_end_ : t_end;
+    while (t_ < stop) {
+      step_towards(stop);
+      if (t_ < t_end) limit_work(t_);
+    }
+    if (t_ < t_end) {
+      publish();
+      enter_piece();
+    }
+  }
+  publish();
+  tick_ = static_cast<Tick>(std::floor((t_ + snap) / dt_));
+}
+
+void HeldPlant::limit_work(double t) const {
+  if (steps() - steps_before_ > most_steps) {
+    throw IntegrationError(t, "a sample takes more than " + std::to_string(most_steps) + " steps");
+  }
+}
+
+/// Begins the smooth piece that starts now.
+void HeldPlant::enter_piece() {
+  const double from = t_ + snap;
+  piece_end_ = std::min(actuators_.next_switch(from), external_.next_switch(from));
+  const double branch = 0.5 * (from + (std::isfinite(piece_end_) ? piece_end_ : from + dt_));
+  actuators_.enter(t_, branch);
+
+  const Vec3<double> before_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
+  external_.enter(branch);
+  const Vec3<double> after_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
+  const double rounding = 1e-13 * (before_B.norm() + after_B.norm());
+  if ((after_B - before_B).norm() > rounding) restart_ = true;
+}
+
+/// One piece of time on which everything is smooth: to `stop` or as far as that goes.
+void HeldPlant::step_towards(double stop) {
+  double t1 = actuators_.all_constant() ? stop : smooth_end(stop);
+  pieces_ = least_steps(t1 - t_);
+  if (looks_ahead_) {  // a step at a time
+    if (rk4_substeps_ > 0) t1 = t_ + (t1 - t_) / rk4_steps(t1 - t_);
+    pieces_ = 1;
+  }
+  length_ = t1 - t_;
+  fit_delivered(t1);
+  if (!cvode_ || restart_) absorb_outer_impulse();
+  t1 = fly_piece(t1);
+  statistics_.pieces += static_cast<std::uint64_t>(pieces_);
+  take_up_storage((t1 - t_) / length_);
+  t_ = t1;
+  if (!std::isfinite(y_[0] + y_[1] + y_[2] + y_[3] + y_[4] + y_[5] + y_[6])) throw NonFiniteState(t_);
+}
+
+// ---- actuators over one piece -----------------------------------------------------------------------------------------
+
+double HeldPlant::smooth_end(double stop) const noexcept {
+  double t1 = stop;
+  if (actuators_.fastest() > 0) {
+    const double longest = std::max(longest_angle / actuators_.fastest(), shortest_piece);
+    const double pieces = std::ceil((stop - t_) / longest);
+    if (pieces > 1) t1 = t_ + (stop - t_) / pieces;
+  }
+  return actuators_.may_kink() ? first_kink(t1) : t1;
+}
+
+/// First time until t1 at which a varying output meets or leaves its limit.
+double HeldPlant::first_kink(double t1) const noexcept {
+  constexpr int probes = 8;
+  const double t0 = t_ + std::min(snap, 0.5 * (t1 - t_));  // t_ itself may be such a time
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (actuators_.constant(i)) continue;
+    const int side = actuators_.limit_side(i, t0);
+    const auto left = [&](double t) { return actuators_.limit_side(i, t) != side; };
+    double lo = t0;
+    for (int k = 1; k <= probes; ++k) {
+      const double hi = k == probes ? t1 : t0 + (t1 - t0) * k / probes;
+      if (left(hi)) {
+        t1 = bisect(lo, hi, 1e-12, left);
+        break;
+      }
+      lo = hi;
+    }
+  }
+  return t1;
+}
+
+void HeldPlant::fit_delivered(double t1) noexcept {
+  degree_ = 0;
+  for (int i = 0; i < actuators_.size(); ++i) {
+    Cubic& c = delivered_[static_cast<std::size_t>(i)];
+    if (actuators_.constant(i)) {
+      c = {actuators_.constant_delivered(i), 0, 0, 0};
+    } else {
+      std::array<double, 4> f;
+      for (std::size_t j = 0; j < 4; ++j) f[j] = actuators_.delivered(i, t_ + 0.5 * (1 + gauss_node[j]) * (t1 - t_));
+      c = cubic_through(f);
+      degree_ = 3;
+    }
+  }
+}
+
+/// The momentum that the actuators hold, as polynomials of the present piece.
+void HeldPlant::hold() noexcept {
+  const double length = length_, per_length = 1 / length;
+  const auto powers = static_cast<std::size_t>(degree_ + 2);
+  const auto reset = [&](auto& polynomial, const auto& zero) {
+    polynomial.t0 = t_;
+    polynomial.per_length = per_length;
+    polynomial.degree = degree_ + 1;
+    for (std::size_t k = 0; k < powers; ++k) polynomial.c[k] = zero;
+  };
+  const Vec3<double> zero = Vec3<double>::Zero();
+  reset(held_.stored_B, zero);
+  const bool some_leaves = held_.leaves == Held::Leaves::some;
+  if (some_leaves) reset(held_.outer_B, zero);
+  for (int i = 0; i < actuators_.size(); ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const Cubic& c = delivered_[index];
+    const std::array<double, 5> P{stored_[i] + stored_rest_[i], -length * c[0], -length * c[1] / 2, -length * c[2] / 3,
+                                  -length * c[3] / 4};
+    if (in_equations_.test(i)) {
+      reset(held_.impulse[index], 0.0);
+      held_.impulse[index].c = P;
+    }
+    if (!along_.test(i)) continue;
+    const Vec3<double> g = D_B_.col(i);
+    const bool leaves = some_leaves && outer_.test(i);
+    for (std::size_t k = 0; k < powers; ++k) {
+      held_.stored_B.c[k] += P[k] * g;
+      if (leaves) held_.outer_B.c[k] += P[k] * g;
+    }
+  }
+}
+
+/// Puts the impulse that leaves along fixed axes into the body's momentum and begins to count it anew, so that it stays small.
+/// Changes the state: only where the integrator has no history.
+void HeldPlant::absorb_outer_impulse() noexcept {
+  if (!outer_.any()) return;
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (!outer_.test(i)) continue;
+    const double impulse = stored_[i] + stored_rest_[i];
+    for (int axis = 0; axis < 3; ++axis) y_[static_cast<std::size_t>(4 + axis)] -= impulse * D_B_(axis, i);
+    stored_[i] = stored_rest_[i] = 0;
+  }
+}
+
+/// Compensated: over many samples a constant torque would else be rounded the same way each time.
+/// @param x  how much of the piece was gone through
+void HeldPlant::take_up_storage(double x) noexcept {
+  for (int i = 0; i < actuators_.size(); ++i) {
+    const double change = stored_rest_[i] - length_ * integral(delivered_[static_cast<std::size_t>(i)], x);
+    const double sum = stored_[i] + change;
+    stored_rest_[i] = change - (sum - stored_[i]);
+    stored_[i] = sum;
+  }
+}
+
+// ---- integration --------------------------------------------------------------------------------------------------------
+
+InnerRates HeldPlant::inner_rates() const noexcept {
+  Vec3<double> held{y_[4], y_[5], y_[6]};
+  if (outer_.any()) held = J_B_ * omega_BN_B_ + torque<double>(D_B_, h_w_);
+  const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
+  return {std::sqrt(2 * (omega_BN_B_.squaredNorm() + precession2)), friction_rate_};
+}
+
+/// Steps on this length so that none is longer than rk4 may take them.
+/// @throws IntegrationError when they are so many that no method gets through a sample
+double HeldPlant::least_steps(double length) const {
+  const InnerRates rates = inner_rates();
+  const double rate = rates.turning + rates.friction;
+  if (!(length * rate > InnerRates::longest_step)) return 1;  // nor a rate that is not finite: that is found later
+  if (rate * dt_ > InnerRates::most_in_a_sample) {
+    throw IntegrationError(t_, "the vehicle turns, precesses or slows down at " + detail::text(rate) +
+                                   " 1/s, more than 1000 times in a sample,");
+  }
+  return std::ceil(length * rate / InnerRates::longest_step);
+}
+
+/// Of rk4, on the present piece.
+double HeldPlant::rk4_steps(double length) const noexcept {
+  return std::max(std::ceil(length / dt_ * rk4_substeps_ - 1e-6), pieces_);
+}
+
+IntegratorStatistics HeldPlant::statistics() const {
+  IntegratorStatistics s = statistics_;
+  if (cvode_) {
+    const IntegratorStatistics c = cvode_->statistics();
+    s.steps += c.steps;
+    s.rhs_evaluations += c.rhs_evaluations;
+    s.restarts = c.restarts;
+  }
+  return s;
+}
+
+TruthSample HeldPlant::sampled() const {
+  const int n = actuators_.size();
+  TruthSample s;
+  s.t = t_;
+  s.q_NB = q_NB_;
+  s.omega_BN_B = omega_BN_B_;
+  s.h_w = h_w_;
+  s.delivered = s.bias = VecN<double>::Zero(n);
+  s.effectiveness = VecN<double>::Ones(n);
+  for (int i = 0; i < n && commanded_; ++i) {
+    const Effect e = actuators_.effect(i, t_);
+    s.effectiveness[i] = e.effectiveness;
+    s.bias[i] = e.bias;
+    s.delivered[i] = actuators_.delivered(i, t_);
+  }
+  s.external_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
+  return s;
+}
+
+}  // namespace gyrostat::truth
