@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,9 +21,6 @@ from gyrostat.errors import InputError, input_errors
 from gyrostat.metrics import DEFAULT_BAND
 from gyrostat.scenario import Scenario, copies
 from gyrostat.text import shown
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Measures = Mapping[str, Mapping[str, Any]]
 
@@ -92,9 +89,9 @@ class Flights:
     @property
     def completed(self) -> NDArray[np.bool_]:
         """Which flights reached their duration, shape (n,)."""
-        return self.status == "completed"
+        return np.asarray(self.status == "completed")
 
-    def to_dataframe(self) -> pd.DataFrame:
+    def to_dataframe(self) -> Any:
         """A pandas table, one row a flight: number, values, status, end time, metrics."""
         import pandas as pd
 
