@@ -27,6 +27,7 @@ void flight_step(std::uint64_t tick, const Row& row, Answer& answer) {
   struct {
     std::uint64_t tick;
     double q_NB[4], omega_BN_B[3], h_w[Flight::actuators];
+    bool attitude_invalid, rate_invalid, momentum_invalid;
   } y{};
   struct {
     double q_NR[4], omega_RN_R[3], omegadot_RN_R[3];

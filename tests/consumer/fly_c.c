@@ -31,7 +31,7 @@ static int is_the_law(const wheels_measurement* y, const wheels_command* c) {
 
 int main(void) {
   static unsigned char blocks[2][sizeof(wheels) + 64], copy[sizeof(wheels) + 64];
-  static wheels_measurement y = {0, {0.999f, 0.03f, -0.02f, 0.01f}, {0.002f, -0.001f, 0.003f}, {0, 0, 0, 0}};
+  static wheels_measurement y = {0, {0.999f, 0.03f, -0.02f, 0.01f}, {0.002f, -0.001f, 0.003f}, {0, 0, 0, 0}, 0, 0, 0};
   static wheels_reference ref = {{1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0};
   wheels_command first, second;
   wheels_state state;
@@ -55,6 +55,15 @@ int main(void) {
   expect(wheels_step(blocks[0] + 16, &y, &ref, &second) == 0 && (second.status & 1) != 0, "a NaN is held and flagged");
   for (i = 0; i < 4; ++i)
     expect(fabsf(second.u[i] - first.u[i]) < 0.1f * 0.2f, "and the stack flies on: the command moves little");
+  y.q_NB[1] = 0.11f; /* near enough to be flown, but nobody measured it */
+  y.attitude_invalid = 1;
+  y.tick = 2;
+  expect(wheels_step(blocks[0] + 16, &y, &ref, &second) == 0 && second.status == 1, "an invalid attitude is flagged");
+  for (i = 0; i < 4; ++i) expect(fabsf(second.u[i] - first.u[i]) < 0.1f * 0.2f, "and not flown");
+  y.q_NB[1] = 0.03f;
+  y.attitude_invalid = 0;
+  y.tick = 3;
+  expect(wheels_step(blocks[0] + 16, &y, &ref, &second) == 0 && second.status == 0, "measured again");
   expect(wheels_status(blocks[0] + 16, &state) == 0 && state.enabled == 15, "four actuators may be used");
   printf("C facade: %d failures\n", failures);
   return failures == 0 ? 0 : 1;

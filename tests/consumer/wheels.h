@@ -16,6 +16,7 @@ typedef union {
 typedef struct {
   uint64_t tick;
   float q_NB[4], omega_BN_B[3], h_w[4];
+  uint8_t attitude_invalid, rate_invalid, momentum_invalid; /* 0: measured */
 } wheels_measurement;
 
 typedef struct {

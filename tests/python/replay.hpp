@@ -14,6 +14,7 @@ int replay(const std::string& name, const char* scalar) {
   struct {
     std::uint64_t tick;
     double q_NB[4], omega_BN_B[3], h_w[Stack::actuators];
+    bool attitude_invalid, rate_invalid, momentum_invalid;
   } y = {};
   struct {
     double q_NR[4], omega_RN_R[3], omegadot_RN_R[3];
@@ -42,9 +43,12 @@ int replay(const std::string& name, const char* scalar) {
   const auto read = [in](auto& block) { return std::fread(&block, sizeof block, 1, in) == 1; };
   const auto write = [out](const auto& block) { std::fwrite(&block, sizeof block, 1, out); };
   const auto count = [&write](double number) { write(number); };
-  for (double event; read(y.q_NB) && read(y.omega_BN_B) && read(y.h_w) && read(ref.q_NR) && read(ref.omega_RN_R) &&
-                     read(ref.omegadot_RN_R) && read(event);
+  for (double event, valid[3]; read(y.q_NB) && read(y.omega_BN_B) && read(y.h_w) && read(valid) && read(ref.q_NR) &&
+                               read(ref.omega_RN_R) && read(ref.omegadot_RN_R) && read(event);
        ++y.tick) {
+    y.attitude_invalid = valid[0] == 0;
+    y.rate_invalid = valid[1] == 0;
+    y.momentum_invalid = valid[2] == 0;
     ref.event = static_cast<std::uint32_t>(event);
     gyrostat::to_plain(stack.step(gyrostat::measurement_from<S>(y), gyrostat::reference_from<S>(ref)), command);
     gyrostat::to_plain(stack.estimate(), stack.detection(), state);

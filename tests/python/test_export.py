@@ -19,9 +19,16 @@ from gyrostat.export import export
 from gyrostat.export.model import SAMPLES, flight_code
 
 ROLES = ("observer", "detector", "controller", "allocator")
-# wheel2_degraded loses its wheel at 20 s = sample 2000, table1 has the first faults at 10 s = sample 10 000;
-# test_export_stacks.py has every stack
+# wheel2_degraded loses its wheel at 20 s = sample 2000, table1 has the first faults at 10 s = sample 10 000; in both
+# attitude, rate and wheel momentum are not measured for a while. test_export_stacks.py has every stack.
 CASES = {"cpp": ("wheel2_degraded", SAMPLES), "c": ("li2018/table1", 11_000)}
+DROPOUTS = [
+    gs.sensors.AttitudeDropout(t_on=2.0, t_off=3.0),
+    gs.sensors.RateDropout(t_on=4.0, t_off=4.5),
+    gs.sensors.MomentumDropout(t_on=6.0, t_off=6.5),
+    gs.sensors.RateDropout(t_on=8.0, t_off=8.1),
+    gs.sensors.AttitudeDropout(t_on=8.0, t_off=8.1),
+]
 
 
 def load(case: str) -> gs.Scenario:
@@ -45,9 +52,23 @@ def built_and_tested(folder: Path) -> str:
 @pytest.mark.parametrize("target", CASES)
 def test_an_exported_stack_repeats_the_recorded_loop(target: str, tmp_path: Path) -> None:
     case, samples = CASES[target]
-    export(load(case), target, tmp_path / "out", samples=samples)
+    scenario = load(case)
+    scenario = scenario.replace(sensors=[*scenario.sensors, *DROPOUTS])
+    code = export(scenario, target, tmp_path / "out", samples=samples)
     said = built_and_tested(tmp_path / "out")
     assert f"{samples} samples, largest deviation" in said  # and the self-test itself passed: within 1e-12
+    # It reads what was not measured: told that all was, it flies on numbers that stood still, and says so.
+    path = tmp_path / "out" / "recorded.csv"
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    for signal, seconds in (("attitude", 1.1), ("rate", 0.6), ("momentum", 0.5)):
+        at = rows[0].index(f"measurement.{signal}_valid")
+        assert [row[at] for row in rows].count("0") == round(seconds / code.dt)
+        told = [rows[0], *([*row[:at], "1", *row[at + 1 :]] for row in rows[1:])]
+        path.write_text("\n".join([*map(",".join, told), ""]))
+        done = subprocess.run(
+            [tmp_path / "out" / "build" / "self_test", path], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 1, signal
 
 
 def test_in_float_it_is_the_same_law(tmp_path: Path) -> None:

@@ -24,11 +24,19 @@ ROLES = ("observer", "detector", "controller", "allocator")
 # wheel2_degraded loses its wheel at 20 s = sample 2000; yang2023 has masks, and a detector that turns
 # the spare on at sample 8434
 CASES = {"wheel2_degraded": 3000, "yang2023/maneuver": 9000}
+# s; attitude, rate and wheel momentum are not measured for a while, in both
+DROPOUTS = [
+    gs.sensors.AttitudeDropout(t_on=2.0, t_off=3.0),
+    gs.sensors.RateDropout(t_on=4.0, t_off=4.5),
+    gs.sensors.MomentumDropout(t_on=6.0, t_off=6.5),
+]
 Unit: TypeAlias = tuple[Path, FlightCode]
 
 
 def built(case: str, folder: Path) -> tuple[Path, FlightCode]:
-    code = export(gs.Scenario.load(case), "fmu", folder, samples=CASES[case])
+    scenario = gs.Scenario.load(case)
+    scenario = scenario.replace(sensors=[*scenario.sensors, *DROPOUTS])
+    code = export(scenario, "fmu", folder, samples=CASES[case])
     return folder / f"{code.name}.fmu", code
 
 
@@ -159,6 +167,18 @@ def test_a_unit_has_the_names_of_the_catalogue(unit: Unit) -> None:
         assert {"sources/fmu.cpp", "sources/include/gyrostat/flight/stack.hpp"} <= set(packed.namelist())
         assert b"MIT License" in packed.read("documentation/licenses/gyrostat.txt")
         assert b"Mozilla Public License" in packed.read("documentation/licenses/eigen.txt")
+
+
+def test_what_was_not_measured_is_a_switch_that_starts_true(wheel2: Unit, tmp_path: Path) -> None:
+    path, code = wheel2
+    with slave(path, tmp_path) as one:
+        switches = [one.variables[f"measurement.{s}_valid"] for s in ("attitude", "rate", "momentum")]
+        assert {(v.type, v.causality, v.start) for v in switches} == {("Boolean", "input", "true")}
+        status = one.variables["allocation.status"].valueReference
+        for k, (valid, rate, said) in enumerate([(False, 0.0, 1), (True, 0.0, 0), (False, float("nan"), 1)]):
+            one.set({"measurement.rate_valid": valid, "measurement.omega_BN_B[0]": rate})
+            one.fmu.doStep(currentCommunicationPoint=k * code.dt, communicationStepSize=code.dt)
+            assert one.fmu.getInteger([status]) == [said]
 
 
 def test_parameters_of_a_unit_are_those_of_the_scenario(wheel2: Unit, tmp_path: Path) -> None:

@@ -30,6 +30,7 @@ _integers = {
     "detection.enabled",
     "detection.event",
 }
+_switches = {"measurement.attitude_valid", "measurement.rate_valid", "measurement.momentum_valid"}
 _scalar_first = {"measurement.q_NB", "reference.q_NR", "estimate.q_NB"}
 
 
@@ -78,9 +79,9 @@ def _variables(code: FlightCode) -> Iterator[Variable]:
     facts = {c["name"]: c for c in code.scenario.channel_names()}
     for signal, width in code.columns.items():
         causality = "input" if signal in INPUTS else "output"
-        kind = "Integer" if signal in _integers else "Real"
+        kind = "Integer" if signal in _integers else "Boolean" if signal in _switches else "Real"
         for i, suffix in enumerate(suffixes((width,) if width > 1 else ())):
-            start = 1.0 if signal in _scalar_first and i == 0 else 0.0
+            start = 1.0 if signal in _switches or (signal in _scalar_first and i == 0) else 0.0
             yield Variable(signal + suffix, kind, causality, start, facts[signal]["unit"], facts[signal]["meaning"])
 
 

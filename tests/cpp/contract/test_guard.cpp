@@ -320,9 +320,46 @@ TYPED_TEST(Guard, ASpikeIsGarbageAndALevelThatStaysIsWhereTheVehicleIs) {
   }
 }
 
-TEST(GuardJumps, ASensorThatGoesOnJumpingIsFlownAsItIs) {
+/// A kick: nothing that an actuator or a torque did, and what an observer knows stays, to the bit.
+TYPED_TEST(Guard, AJumpTeachesNothing) {
+  using S = TypeParam;
+  const auto setup = ftc_4rw<S>();
+  for_every_component<S>(setup, [&](auto stack) {
+    Body body(setup.vehicle);
+    body.omega_BN_B = {0.05, -0.04, 0.03};
+    body.d_B = {0.01, -0.005, 0.02};
+    body.effectiveness[2] = 0.6;
+    Estimate<S> known;
+    for (int k = 0; k < 303; ++k) {
+      if (k == 300) body.omega_BN_B += Vec3<double>(0.5, -0.2, 0.1);
+      stack.step(body.measured<S>(static_cast<Tick>(k)), {});
+      if (k == 299) known = stack.estimate();
+      if (k == 300 || k == 301) {
+        EXPECT_EQ(stack.last().status.has(Flag::input_held), k == 300) << "doubted, then borne out";
+        EXPECT_EQ(stack.estimate().effectiveness, known.effectiveness) << k;
+        EXPECT_EQ(stack.estimate().d_B, known.d_B) << k;
+      }
+      body.advance(stack.last().u.template cast<double>(), 0.01);
+    }
+    EXPECT_EQ(stack.estimate().event, 1u);
+  });
+}
+
+TEST(GuardJumps, ASensorThatGoesOnJumpingIsFlownAsItIsAndTeachesNothing) {
   const auto setup = ftc_4rw<double>();
-  auto stack = stack_of<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(setup);
+  struct Taught : Passthrough<double> {
+    using Passthrough::Passthrough;
+    int steps = 0, skips = 0;
+    Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+      ++steps;
+      return Passthrough::step(y, last);
+    }
+    Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+      ++skips;
+      return Passthrough::step(y, last);
+    }
+  };
+  auto stack = stack_of<Taught, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(setup);
   Random random(3);
   int held = 0;
   for (Tick k = 0; k < 1000; ++k) {
@@ -332,6 +369,9 @@ TEST(GuardJumps, ASensorThatGoesOnJumpingIsFlownAsItIs) {
     held += stack.last().status.has(Flag::input_held);
   }
   EXPECT_EQ(held, 10) << "ten samples in a row, then it is believed";
+  EXPECT_EQ(stack.estimator.observer.steps, 0);
+  EXPECT_EQ(stack.estimator.observer.skips, 999);
+  EXPECT_EQ(stack.estimate().event, 989u);
 }
 
 TEST(GuardJumps, WhatCommandAndRateExplainIsNone) {

@@ -28,6 +28,7 @@ Stack some_stack() {
 struct PlainMeasurement {
   std::uint64_t tick = 7;
   double q_NB[4] = {0.5, -0.1, 0.7, 0.2}, omega_BN_B[3] = {1, 2, 3}, h_w[4] = {4, 5, 6, 7};
+  std::uint8_t attitude_invalid = 0, rate_invalid = 0, momentum_invalid = 0;
 };
 struct PlainReference {
   double q_NR[4] = {0.1, 0.2, 0.3, 0.4}, omega_RN_R[3] = {1, 2, 3}, omegadot_RN_R[3] = {4, 5, 6};
@@ -70,12 +71,25 @@ TEST(Facade, ReadsEveryNumberOfAMeasurementAndAReference) {
   EXPECT_EQ(y.omega_BN_B, Vec3<double>(1, 2, 3));
   ASSERT_EQ(y.h_w.size(), 4);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(y.h_w[i], 4 + i);
+  EXPECT_TRUE(y.attitude_valid && y.rate_valid && y.momentum_valid) << "what nobody calls invalid is valid";
   const PlainReference given;
   const auto ref = reference_from<float>(given);
   EXPECT_EQ(ref.q_NR.coeffs(), Quat<float>(0.1f, 0.2f, 0.3f, 0.4f).coeffs());
   EXPECT_EQ(ref.omega_RN_R, Vec3<float>(1, 2, 3));
   EXPECT_EQ(ref.omegadot_RN_R, Vec3<float>(4, 5, 6));
   EXPECT_EQ(ref.event, 9u);
+}
+
+TEST(Facade, ReadsWhatWasNotMeasured) {
+  for (int which = 0; which < 3; ++which) {
+    PlainMeasurement in;
+    std::uint8_t* invalid[] = {&in.attitude_invalid, &in.rate_invalid, &in.momentum_invalid};
+    *invalid[which] = which == 0 ? 1 : 0x80;  // any number but zero
+    const auto y = measurement_from<float>(in);
+    EXPECT_EQ(y.attitude_valid, which != 0);
+    EXPECT_EQ(y.rate_valid, which != 1);
+    EXPECT_EQ(y.momentum_valid, which != 2);
+  }
 }
 
 TEST(Facade, TellsEveryNumberOfAnAllocationAndAnEstimate) {

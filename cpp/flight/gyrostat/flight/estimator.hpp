@@ -6,9 +6,9 @@
 
 namespace gyrostat {
 
-/// Steps observer and detector in order. An interval at whose ends rate and wheel momentum were not both measured, that no motion
-/// leads across, or whose command was beyond sense, teaches nothing: the observer skips it. An impossible output restarts its component; `step` then says
-/// so with Flag::component_reset in the estimate's status.
+/// Steps observer and detector in order. An interval at whose ends rate and wheel momentum were not both measured, that no
+/// motion leads across, or whose command was beyond sense, teaches nothing: the observer skips it. An impossible output
+/// restarts its component; `step` then says so with Flag::component_reset in the estimate's status.
 template <Observer O, Detector D>
 class Estimator {
  public:
@@ -26,7 +26,6 @@ class Estimator {
     if (!guard_.possible(x_)) healthy_instead(y);
     x_.event = event_ = y.event;
     measured_ = y.rate_valid && y.momentum_valid;
-    before_ = false;
     det_ = detector.start(x_);
     if (!guard_.possible(det_)) det_ = Detection<Scalar>::none(guard_.vehicle());
   }
@@ -34,9 +33,7 @@ class Estimator {
   void step(const Measurement<Scalar>& y, const Allocation<Scalar>& last) noexcept(cannot_throw) {
     actions_ = {};
     const bool measured = y.rate_valid && y.momentum_valid;
-    const bool jumped = y.event != event_;
-    const bool whole = jumped ? !measured_ && before_ : measured_;
-    const bool teaches = measured && whole && guard_.sane(last.u);
+    const bool teaches = measured && measured_ && y.event == event_ && guard_.sane(last.u);
     x_ = teaches ? observer.step(y, last) : skip_interval(observer, y, last);
     if (!guard_.possible(x_)) {
       x_ = observer.start(y);
@@ -44,7 +41,6 @@ class Estimator {
       restarted(actions_.observer);
     }
     x_.event = event_ = y.event;
-    before_ = measured_;
     measured_ = measured;
     det_ = detector.step(x_, last);
     if (!guard_.possible(det_)) {
@@ -78,7 +74,6 @@ class Estimator {
   Detection<Scalar> det_;
   GuardActions actions_;
   bool measured_ = true;     ///< rate and momentum at the sample before
-  bool before_ = false;      ///< and at the one before that
   std::uint32_t event_ = 0;  ///< of the measurement before
 };
 

@@ -3,7 +3,8 @@
 ///        that the caller owns, and signals as plain structs.
 ///
 /// A plain struct has members with the names of the signal, as numbers and arrays, quaternions scalar first: from
-/// `struct { uint64_t tick; double q_NB[4], omega_BN_B[3], h_w[4]; }` comes a Measurement of four actuators.
+/// `struct { uint64_t tick; double q_NB[4], omega_BN_B[3], h_w[4]; uint8_t attitude_invalid, rate_invalid, momentum_invalid; }`
+/// comes a Measurement of four actuators. Zero memory says that all was measured: what is not, is said.
 /// tests/consumer/wheels.cpp is one by hand, `gyrostat export --target c` writes one. Page: docs/export.md
 #pragma once
 #include <cstddef>
@@ -81,6 +82,9 @@ Measurement<S> measurement_from(const Plain& in) noexcept {
   y.omega_BN_B = detail::vec3_from<S>(in.omega_BN_B);
   y.h_w.resize(static_cast<Eigen::Index>(std::size(in.h_w)));
   for (std::size_t i = 0; i < std::size(in.h_w); ++i) y.h_w[static_cast<Eigen::Index>(i)] = static_cast<S>(in.h_w[i]);
+  y.attitude_valid = in.attitude_invalid == 0;
+  y.rate_valid = in.rate_invalid == 0;
+  y.momentum_valid = in.momentum_invalid == 0;
   return y;
 }
 
