@@ -34,9 +34,9 @@ template <class O, class D, class C, class A>
 FlightStack<O, D, C, A> static_stack(const Assembly& a) {
   const host::Place place{"benchmark", a.setup.vehicle.actuators()};
   const auto part = [&]<class T>(std::type_identity<T>, const host::ComponentSpec& spec) {
-    return T(a.setup, host::read_params(default_params<T, double>(a.setup), spec.params, place));
+    return T(unchecked, a.setup, host::read_params(typename T::Params(a.setup), spec.params, place));
   };
-  return {a.setup, part(std::type_identity<O>{}, a.observer), part(std::type_identity<D>{}, a.detector),
+  return {unchecked, a.setup, part(std::type_identity<O>{}, a.observer), part(std::type_identity<D>{}, a.detector),
           part(std::type_identity<C>{}, a.controller), part(std::type_identity<A>{}, a.allocator)};
 }
 

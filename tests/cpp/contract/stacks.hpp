@@ -24,9 +24,8 @@ namespace gyrostat::test {
 
 /// A stack of components with their default parameters.
 template <class O, class D, class C, class A>
-FlightStack<O, D, C, A> stack_of(const Setup<typename O::Scalar>& s) {
-  return {s, O(s, default_params<O>(s)), D(s, default_params<D>(s)), C(s, default_params<C>(s)),
-          A(s, default_params<A>(s))};
+auto stack_of(const Setup<typename O::Scalar>& s) {
+  return by_default<FlightStack<O, D, C, A>>(s);
 }
 
 /// Calls `with` for every stack.

@@ -21,8 +21,7 @@ using Stack = FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<d
 using Memory = CallerMemory<Stack>;
 
 Stack some_stack() {
-  const gyrostat::Setup<double> s = ftc_4rw<double>();
-  return {s, Passthrough<double>(s), NoDetector<double>(s), {s, default_params<MrpFeedback<double>>(s)}, {s, {}}};
+  return by_default<Stack>(ftc_4rw<double>());
 }
 
 struct PlainMeasurement {

@@ -24,7 +24,8 @@ gyrostat::Setup<double> pairs() {
 
 /// Persistence of two samples, hold-off of five, all of them watched from 0.02 N m on.
 Detector::Params quick() {
-  Detector::Params p;
+  Detector::Params p(pairs());
+  p.unwatched = {};
   p.persistence = 0.02;
   p.hold_off = 0.05;
   p.settle = 0;
@@ -175,12 +176,12 @@ TEST(Threshold, TheProbeIsASineThatVisitsTheActuatorsInTurn) {
 
 TEST(ThresholdCheck, RefusesAProbeThatFillsTheLimitsOrIsTooFast) {
   const gyrostat::Setup<double> setup = pairs();
-  Detector::Params p = default_params<Detector>(setup);
+  Detector::Params p(setup);
   EXPECT_EQ(p.unwatched, setup.vehicle.spare);
   EXPECT_TRUE(Detector::check(setup, p).ok());
   p.settle = p.hold_off * 1.01;
   EXPECT_EQ(std::string(Detector::check(setup, p).quantity), "settle");
-  p = default_params<Detector>(setup);
+  p = Detector::Params(setup);
   p.dither = 0.2;
   EXPECT_EQ(std::string(Detector::check(setup, p).quantity), "dither");
   p.dither = 0.199;

@@ -77,10 +77,10 @@ TEST(ClosedLoop, IsTheSameForAStaticStack) {
     return plant.omega_BN_B();
   };
   FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>> fixed(
-      a.setup, Passthrough<double>(a.setup), NoDetector<double>(a.setup, {}),
+      a.setup, by_default<Passthrough<double>>(a.setup), by_default<NoDetector<double>>(a.setup),
       MrpFeedback<double>(
-          a.setup, read_params(default_params<MrpFeedback<double>>(a.setup), a.controller.params, Place{"here", 4})),
-      PseudoInverse<double>(a.setup, default_params<PseudoInverse<double>>(a.setup)));
+          a.setup, read_params(MrpFeedback<double>::Params(a.setup), a.controller.params, Place{"here", 4})),
+      by_default<PseudoInverse<double>>(a.setup));
   Stack erased = make_stack(a, {});
   EXPECT_EQ(end_of(fixed), end_of(erased));
 }

@@ -54,18 +54,19 @@ std::string class_name() {
 template <template <class> class Component, class Base, template <class> class ModelOf>
 Entry<Base> entry() {
   using T = Component<double>;
+  static_assert(Checkable<T>, "see core/params.hpp: Params(setup), and a constructor that takes Unchecked first");
   using Params = typename T::Params;
   const auto params = [](const Setup<double>& setup, const Table& table, const Place& place) {
-    return read_params<Params>(default_params<T, double>(setup), table, place);
+    return read_params(Params(setup), table, place);
   };
   return {T::name,
           traits_of<T>(),
-          [](const Setup<double>& setup) { return describe_params<Params>(default_params<T, double>(setup)); },
+          [](const Setup<double>& setup) { return describe_params(Params(setup)); },
           [params](const Setup<double>& setup, const Table& table, const Place& place) {
             return component_check<T>(setup, params(setup, table, place));
           },
           [params](const Setup<double>& setup, const Table& table, const Place& place) -> std::unique_ptr<Base> {
-            return std::make_unique<ModelOf<T>>(T(setup, params(setup, table, place)));
+            return std::make_unique<ModelOf<T>>(T(unchecked, setup, params(setup, table, place)));
           },
           [params](const Setup<double>& setup, const Table& table, const Place& place) -> Coupling {
             const Params p = params(setup, table, place);

@@ -85,10 +85,10 @@ class OptimalAllocators : public testing::Test {
   }
   template <class A>
   static A make(const gyrostat::Setup<S>& s, auto&& change) {
-    auto params = default_params<A>(s);
+    typename A::Params params(s);
     change(params);
     EXPECT_TRUE(A::check(s, params).ok());
-    return A(s, params);
+    return A(unchecked, s, params);
   }
   template <class A>
   static A make(const gyrostat::Setup<S>& s) {
@@ -363,7 +363,7 @@ TYPED_TEST(OptimalAllocators, UncertainWheelsAreSparedAtNoLossOfTorque) {
 
 TYPED_TEST(OptimalAllocators, RefuseOtherNumbersOfWeightsThanActuators) {
   using S = TypeParam;
-  auto params = default_params<Lexicographic<S>>(this->setup);
+  typename Lexicographic<S>::Params params(this->setup);
   params.effort_weight = VecN<S>::Ones(3);
   EXPECT_FALSE(Lexicographic<S>::check(this->setup, params).ok());
 }
@@ -549,8 +549,8 @@ TYPED_TEST(OptimalAllocators, DefaultPricesAreThoseOfAUnitAxis) {
   gyrostat::Setup<S> strong = this->setup;
   strong.vehicle.D_B.col(2) *= S(10);
   const auto ratio = [&]<class A>(std::type_identity<A>) {
-    const S weak_price = default_params<A>(this->setup).residual_weight;
-    return static_cast<double>(weak_price / default_params<A>(strong).residual_weight);
+    const S weak_price = typename A::Params(this->setup).residual_weight;
+    return static_cast<double>(weak_price / typename A::Params(strong).residual_weight);
   };
   EXPECT_NEAR(ratio(std::type_identity<RobustSocp<S>>{}), 100, 1e-3);
   EXPECT_NEAR(ratio(std::type_identity<WeightedLeastSquares<S>>{}), 100, 1e-3);
