@@ -325,8 +325,8 @@ static_assert(carries_all<float>() && carries_all<double>());
   step(FlightStack(unchecked, s, Cao2022Observer<double>(s), none, Cao2022Controller<double>(s), pinv));
   step(FlightStack(unchecked, s, Wang2023Observer<double>(s), none, Wang2023Controller<double>(s), pinv));
   step(FlightStack(unchecked, s, Cao2023Observer<double>(s), none, Cao2023Controller<double>(s), pinv));
-  step(FlightStack(unchecked, s, Yang2023Observer<double>(s), Yang2023Detector<double>(s), Yang2023Controller<double>(s),
-                   Yang2023Allocator<double>(s)));
+  step(FlightStack(unchecked, s, Yang2023Observer<double>(s), Yang2023Detector<double>(s),
+                   Yang2023Controller<double>(s), Yang2023Allocator<double>(s)));
 }
 
 }  // namespace

@@ -91,7 +91,8 @@ TEST(EffectivenessFloor, OfAnObserverMustNotBeBelowTheAllocators) {
   EXPECT_FALSE(ok());
   a.use_effectiveness = false;
   EXPECT_TRUE(ok());
-  EXPECT_TRUE(actuators_can_recover(effectiveness_floor_of<Passthrough<float>>(Passthrough<float>::Params(setup)), 1.0f).ok());
+  EXPECT_TRUE(
+      actuators_can_recover(effectiveness_floor_of<Passthrough<float>>(Passthrough<float>::Params(setup)), 1.0f).ok());
 }
 
 struct Craft {

@@ -20,9 +20,7 @@ namespace {
 using Stack = FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>;
 using Memory = CallerMemory<Stack>;
 
-Stack some_stack() {
-  return by_default<Stack>(ftc_4rw<double>());
-}
+Stack some_stack() { return by_default<Stack>(ftc_4rw<double>()); }
 
 struct PlainMeasurement {
   std::uint64_t tick = 7;

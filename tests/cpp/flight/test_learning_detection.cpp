@@ -206,37 +206,6 @@ Estimate<S> estimated(std::initializer_list<double> e) {
   return x;
 }
 
-/// Axes renamed and two of them turned round: a rotation, since a mirror would turn the cross product.
-Mat3<double> renamed() {
-  Mat3<double> Q;
-  Q << 0, 1, 0, 0, 0, -1, -1, 0, 0;
-  return Q;
-}
-
-TEST(LearningObservers, DoNotKnowTheNamesOfTheBodyAxes) {
-  using O = AdaptiveIterativeLearningObserver<double>;
-  const gyrostat::Setup<double> setup = with_spare<double>();
-  gyrostat::Setup<double> other = setup;
-  const Mat3<double> Q = renamed();
-  other.vehicle.J_B = Q * setup.vehicle.J_B * Q.transpose();
-  for (int i = 0; i < 4; ++i) other.vehicle.D_B.col(i) = Q * setup.vehicle.D_B.col(i);
-  O one(unchecked, setup, typename O::Params(setup)), two(unchecked, other, typename O::Params(other));
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> unit(-1, 1);
-  Measurement<double> y = at_rest<double>(), z = y;
-  (void)one.start(y);
-  (void)two.start(z);
-  for (int k = 0; k < 300; ++k) {
-    const Allocation<double> last = issued<double>({0.2, -0.15, 0.2 * unit(random), 0});
-    VecN<double> e(4);
-    e << 0.7, 0.9, 0.8, 1;
-    y.omega_BN_B = turned<double>(setup, y.omega_BN_B, e, last.u);
-    z.omega_BN_B = Q * y.omega_BN_B;
-    const VecN<double> a = one.step(y, last).effectiveness, b = two.step(z, last).effectiveness;
-    ASSERT_LT((a - b).cwiseAbs().maxCoeff(), 1e-12) << k;  // sums of three in another order
-  }
-}
-
 TYPED_TEST(LearningDetection, StartingTwiceIsStartingOnce) {
   using S = TypeParam;
   using O = AdaptiveIterativeLearningObserver<S>;

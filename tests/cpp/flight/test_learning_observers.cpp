@@ -79,7 +79,7 @@ TYPED_TEST(LearningObservers, EstimatesStayInsideTheirRangeUnderAnyCommand) {
   using S = TypeParam;
   const Setup<S> setup = ftc_4rw<S>();
   const auto inside = [&]<class Observer>(std::type_identity<Observer>) {
-    Observer::Params p(setup);
+    typename Observer::Params p(setup);
     p.e_min = S(1e-4);
     Observer observer(unchecked, setup, p);
     Random random(3);

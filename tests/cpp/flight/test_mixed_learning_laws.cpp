@@ -130,30 +130,6 @@ TYPED_TEST(SlidingLaws, RefuseAGainThatTheirPeriodDoesNotAllow) {
   EXPECT_EQ(TypeParam::check(setup, p).code, Status<S>::Code::unstable);
 }
 
-TYPED_TEST(SlidingLaws, FollowARelabellingAndReflectionOfTheAxes) {
-  using S = typename TypeParam::Scalar;
-  Mat3<S> R;
-  R << 0, -1, 0, 0, 0, 1, -1, 0, 0;  // determinant 1
-  const Setup<S> setup = ftc_4rw<S>();
-  Setup<S> turned = setup;
-  turned.vehicle.J_B = R * setup.vehicle.J_B * R.transpose();
-  turned.vehicle.D_B = R * setup.vehicle.D_B;
-  TypeParam one(unchecked, setup, typename TypeParam::Params(setup)), other(unchecked, turned, typename TypeParam::Params(turned));
-  const Detection<S> det = Detection<S>::none(setup.vehicle);
-  Random random(6);
-  for (int k = 0; k < 200; ++k) {
-    const Estimate<S> x = some_estimate<S>(random);
-    Estimate<S> z = x;
-    z.q_NB.vec() = R * x.q_NB.vec();
-    z.omega_BN_B = R * x.omega_BN_B;
-    z.d_B = R * x.d_B;
-    const Allocation<S> last = Allocation<S>::idle(4);
-    const Vec3<S> tau = k == 0 ? one.start(x, det, {}).tau_B : one.step(x, det, {}, last).tau_B;
-    const Vec3<S> moved = k == 0 ? other.start(z, det, {}).tau_B : other.step(z, det, {}, last).tau_B;
-    ASSERT_LT((moved - R * tau).norm(), sizeof(S) == 8 ? 1e-12 : 1e-4) << k;
-  }
-}
-
 TYPED_TEST(MixedLearningLaws, WithoutItsPowersTheTerminalLawIsTheLinearOne) {
   using S = TypeParam;
   const Setup<S> setup = ftc_4rw<S>();

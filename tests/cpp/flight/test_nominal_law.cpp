@@ -60,12 +60,12 @@ TEST(NominalLaw, IsThePublishedFormulaWrittenOut) {
 }
 
 TEST(NominalLaw, AsksForNothingAtRestOnTarget) {
-  FiniteTime<double> law(unlimited(0.001), li2018::controller<double>().nominal);
+  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   EXPECT_EQ(ask(law, Quat<double>::Identity(), Vec3<double>::Zero()).tau_B.norm(), 0);
 }
 
 TEST(NominalLaw, BothSignsOfTheQuaternionAreOneAttitude) {
-  FiniteTime<double> law(unlimited(0.001), li2018::controller<double>().nominal);
+  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   Random random(12);
   for (int trial = 0; trial < 50; ++trial) {
     const Quat<double> q = random.attitude<double>();
@@ -75,7 +75,7 @@ TEST(NominalLaw, BothSignsOfTheQuaternionAreOneAttitude) {
 }
 
 TEST(NominalLaw, FiniteTimeSubtractsTheEstimatedTorque) {
-  FiniteTime<double> law(unlimited(0.001), li2018::controller<double>().nominal);
+  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   const Vec3<double> d_B{0.01, -0.02, 0.03};
   EXPECT_EQ(ask(law, Quat<double>::Identity(), Vec3<double>::Zero(), d_B).tau_B, Vec3<double>(-d_B));
 }

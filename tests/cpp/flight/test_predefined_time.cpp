@@ -198,7 +198,7 @@ void flies_the_long_way_when_told() {
   const auto setup = satellite();
   const Detection<double> det = Detection<double>::none(setup.vehicle);
   const Estimate<double> x = at<double>(turned(4.0), Vec3<double>::Zero(), 3);  // 229 deg
-  Law::Params p(setup);
+  typename Law::Params p(setup);
   Law short_law(unchecked, setup, p);
   p.shadow_switch = std::numeric_limits<double>::infinity();
   Law long_law(unchecked, setup, p);
@@ -219,7 +219,7 @@ template <class Law>
 void chooses_anew_at_a_start() {
   const auto setup = satellite();
   const Detection<double> det = Detection<double>::none(setup.vehicle);
-  Law::Params p(setup);
+  typename Law::Params p(setup);
   p.shadow_switch = 2;
   Law law(unchecked, setup, p), fresh = law;
   const auto beyond = at<double>(turned(3.6), Vec3<double>::Zero(), 3);  // 206 deg: |sigma| = 1.25
@@ -298,7 +298,7 @@ TEST(PredefinedTimeDouble, BothTimesAndPowersStandWhereTheyBelong) {
     const Vec3<double> w = random.vector<double>(0.5);
     const Vec3<double> sigma = mrp(short_way(q)), sigma_rate = mrp_rate_matrix(sigma) * w;
     if (sigma.squaredNorm() / 2 < 4 * p.floor1) continue;
-    PredefinedTime<double> law(satellite(), p);
+    PredefinedTime<double> law(unchecked, satellite(), p);
     const Vec3<double> tau_B = law.start(at<double>(q, w, 3), {}, {}).tau_B;
     const Vec3<double> s = s_ahead<PredefinedTime<double>>(p, q, w, tau_B, 0);
     const double V1 = sigma.squaredNorm() / 2, V2 = s.squaredNorm() / 2;
@@ -328,7 +328,7 @@ TEST(TerminalSlidingModeDouble, ReachesItsSurfaceAsItSays) {
     const Vec3<double> w = random.vector<double>(0.5);
     const Vec3<double> sigma = mrp(short_way(q)), sigma_rate = mrp_rate_matrix(sigma) * w;
     if (sigma.cwiseAbs().minCoeff() < 3 * p.eta || sigma.norm() > 0.95) continue;  // curvature of the core, other set
-    TerminalSlidingMode<double> law(satellite(), p);
+    TerminalSlidingMode<double> law(unchecked, satellite(), p);
     const Vec3<double> tau_B = law.start(at<double>(q, w, 3), {}, {}).tau_B;
     const Vec3<double> s = s_ahead<TerminalSlidingMode<double>>(p, q, w, tau_B, 0);
     const double h = 1e-6;

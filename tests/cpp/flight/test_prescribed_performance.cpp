@@ -176,27 +176,6 @@ TYPED_TEST(PrescribedPerformanceLaw, TheTerminalLawIsTheClosedFormAtRest) {
   EXPECT_EQ(demand.tau_B[1], S(0));
 }
 
-TEST(FastTerminalSlidingMode, DoesNotKnowTheNamesOfTheBodyAxes) {
-  using C = FastTerminalSlidingMode<double>;
-  const gyrostat::Setup<double> setup = ftc_4rw<double>();
-  gyrostat::Setup<double> other = setup;
-  Mat3<double> Q;
-  Q << 0, 1, 0, 0, 0, 1, -1, 0, 0;
-  const double turns = Q.determinant();  // -1: a mirror; vectors of rotation change sign with it
-  other.vehicle.J_B = Q * setup.vehicle.J_B * Q.transpose();
-  C one(unchecked, setup, typename C::Params(setup)), two(unchecked, other, typename C::Params(other));
-  Measurement<double> y;
-  y.h_w = VecN<double>::Zero(4);
-  y.q_NB = quat_from_euler<double>({0.4, -0.3, 0.2});
-  y.omega_BN_B = {0.02, -0.01, 0.03};
-  Measurement<double> z = y;
-  z.q_NB.vec() = turns * Q * y.q_NB.vec();
-  z.omega_BN_B = turns * Q * y.omega_BN_B;
-  const Vec3<double> a = one.start(Estimate<double>::healthy(y), {}, {}).tau_B;
-  const Vec3<double> b = two.start(Estimate<double>::healthy(z), {}, {}).tau_B;
-  EXPECT_LT((turns * Q * a - b).norm(), 1e-12 * a.norm());  // rounding
-}
-
 TEST(PrescribedPerformance, RefusesWhatCannotWork) {
   using C = PrescribedPerformance<double>;
   const gyrostat::Setup<double> setup = orthogonal<double>();

@@ -98,7 +98,7 @@ struct Unchecked {
 };
 inline constexpr Unchecked unchecked{};
 
-/// What has a name for parameters: a flight component, or a whole stack of them.
+/// A flight component or a whole stack: parameters from a Setup, and a constructor that says that it does not check.
 template <class T>
 concept Checkable =
     ParamsOf<typename T::Params, typename T::Scalar> &&

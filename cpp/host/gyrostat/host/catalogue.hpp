@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// @file  The catalogue: every component by family and name. Adding one is a line in catalogue_<family>.cpp; an
-///        application adds its own with `catalogue().add(controller<MyLaw>())`.
+/// @file  The catalogue: every component by family and name. Those of the library come from the lists of flight
+///        (flight/observers.hpp and its like); an application adds its own with `catalogue().add(controller<MyLaw>())`.
 #pragma once
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "gyrostat/core/components.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/host/any.hpp"
 #include "gyrostat/host/parameters.hpp"
@@ -78,6 +79,11 @@ Entry<Base> entry() {
           {class_name<T>(), sizeof(T), sizeof(Component<float>)}};
 }
 
+template <class Base, template <class> class ModelOf, template <class> class... Component>
+std::vector<Entry<Base>> entries(Components<Component...>) {
+  return {entry<Component, Base, ModelOf>()...};
+}
+
 }  // namespace detail
 
 template <template <class> class T>
@@ -132,7 +138,7 @@ class Catalogue {
 /// The catalogue of this process. Add before the first run; adding is not thread-safe.
 Catalogue& catalogue();
 
-// One table a family, each in its own file.
+// One role a file: each compiles all components of its role.
 std::vector<Entry<ObserverBase>> builtin_observers();
 std::vector<Entry<DetectorBase>> builtin_detectors();
 std::vector<Entry<ControllerBase>> builtin_controllers();

@@ -11,11 +11,7 @@
 #include "flight/telemetry_log.hpp"
 #include "flight/vehicles.hpp"
 #include "gyrostat/core/concepts.hpp"
-#include "gyrostat/flight/allocators/lexicographic.hpp"
-#include "gyrostat/flight/allocators/lexicographic_scaled.hpp"
-#include "gyrostat/flight/allocators/pseudo_inverse.hpp"
-#include "gyrostat/flight/allocators/robust_socp.hpp"
-#include "gyrostat/flight/allocators/weighted_least_squares.hpp"
+#include "gyrostat/flight/allocators.hpp"
 #include "random.hpp"
 
 namespace {
@@ -57,25 +53,20 @@ class OptimalAllocators : public testing::Test {
   gyrostat::Setup<S> setup = ftc_4rw<S>();
   Detection<S> none = Detection<S>::none(setup.vehicle);
 
-  /// Calls with(default allocator) for each of the four.
+  /// Calls with(default allocator) for each of the optimal ones.
   void for_each(auto&& with) const {
     for_each([](auto&) {}, with);
   }
   /// The same with changed parameters.
   void for_each(auto&& change, auto&& with) const {
-    with(make<Lexicographic<S>>(setup, change));
-    with(make<LexicographicScaled<S>>(setup, change));
-    with(make<WeightedLeastSquares<S>>(setup, change));
-    with(make<RobustSocp<S>>(setup, change));
+    Allocators::each<S>([&]<class A>() {
+      if constexpr (std::derived_from<A, OptimalAllocator<S>>) with(make<A>(setup, change));
+    });
   }
   /// Calls with(allocator) for every one of the catalogue, with this rank_tolerance.
   void for_all(S rank_tolerance, auto&& with) const {
     const auto change = [&](auto& p) { p.rank_tolerance = rank_tolerance; };
-    with(make<PseudoInverse<S>>(setup, change));
-    with(make<Lexicographic<S>>(setup, change));
-    with(make<LexicographicScaled<S>>(setup, change));
-    with(make<WeightedLeastSquares<S>>(setup, change));
-    with(make<RobustSocp<S>>(setup, change));
+    Allocators::each<S>([&]<class A>() { with(make<A>(setup, change)); });
   }
   /// Wheels whose third axis is `weak` times as strong as the other two.
   void flatten(S weak) {

@@ -42,8 +42,8 @@ class MixedLearningTerminalSlidingMode : public MixedLearningSlidingMode<S> {
     /// is at most `fastest_law`.
     explicit Params(const Setup<S>& setup) noexcept : Linear::Params(setup) {
       terminal = this->delta * std::pow(S(0.1), S(1) - power);
-      core = std::max(S(0.01),
-                        std::pow(S(0.5) * (S(2) - power) * terminal / fastest_law(setup), S(1) / (S(1) - power)));
+      core =
+          std::max(S(0.01), std::pow(S(0.5) * (S(2) - power) * terminal / fastest_law(setup), S(1) / (S(1) - power)));
       k_power = this->k_lin * std::pow(S(0.5) * this->width, S(1) - power_s);
     }
   };
