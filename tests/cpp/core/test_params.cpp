@@ -13,7 +13,7 @@ using St = Status<double>;
 TEST(Status, TheFirstRefusalIsReportedWithItsNumber) {
   const St fine = St::require(1 < 2, "a", 1, 2);
   const St first = St::require(false, "gain * dt", 3, 2, "<", St::Code::unstable);
-  const St second = St::require(false, "b", 5, 4);
+  const St second = St::require(false, "b", 5, 4, "<", St::Code::unstable);
   EXPECT_TRUE(fine.ok());
   const St all = fine && first && second;
   EXPECT_FALSE(all.ok());
