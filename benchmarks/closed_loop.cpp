@@ -31,13 +31,17 @@ using host::Assembly;
 
 /// A static stack with the parameters of a scenario.
 template <class O, class D, class C, class A>
-FlightStack<O, D, C, A> static_stack(const Assembly& a) {
-  const host::Place place{"benchmark", a.setup.vehicle.actuators()};
-  const auto part = [&]<class T>(std::type_identity<T>, const host::ComponentSpec& spec) {
-    return T(a.setup, host::read_params(default_params<T, double>(a.setup), spec.params, place));
+auto static_stack(const Assembly& a) {
+  using Stack = FlightStack<O, D, C, A>;
+  const auto set = [&](auto& params, const host::ComponentSpec& spec) {
+    params = host::read_params(params, spec.params, host::Place{"benchmark", a.setup.vehicle.actuators()});
   };
-  return {a.setup, part(std::type_identity<O>{}, a.observer), part(std::type_identity<D>{}, a.detector),
-          part(std::type_identity<C>{}, a.controller), part(std::type_identity<A>{}, a.allocator)};
+  typename Stack::Params p(a.setup);
+  set(p.observer, a.observer);
+  set(p.detector, a.detector);
+  set(p.controller, a.controller);
+  set(p.allocator, a.allocator);
+  return Stack(unchecked, a.setup, p);
 }
 
 auto static_ftc(const Assembly& a) {

@@ -12,15 +12,16 @@ namespace {
 using S = FLIGHT_SCALAR;
 using Flight = FLIGHT_NAMESPACE::Flight<S>;
 
-alignas(Flight::Stack) unsigned char memory[sizeof(Flight::Stack)];
+using Made = gyrostat::Checked<Flight::Stack>;
+alignas(Made) unsigned char memory[sizeof(Made)];
 Flight::Stack* stack = nullptr;
 
 }  // namespace
 
 bool flight_init() {
-  const typename Flight::Parameters p = Flight::parameters();
-  stack = new (memory) Flight::Stack(Flight::make(p));
-  return Flight::check(p).ok();
+  Made* made = new (memory) Made(Flight::make());
+  if (*made) stack = &**made;
+  return stack != nullptr;
 }
 
 void flight_step(std::uint64_t tick, const Row& row, Answer& answer) {

@@ -32,10 +32,11 @@ gyrostat::Setup<S> four_wheels() {
 }
 
 template <class S>
-FourWheels<S> make_four_wheels() {
+gyrostat::Checked<FourWheels<S>> make_four_wheels() {
   const gyrostat::Setup<S> setup = four_wheels<S>();
-  return {setup, gyrostat::Passthrough<S>(setup, {}), gyrostat::NoDetector<S>(setup, {}), QuaternionLaw<S>(setup, {}),
-          gyrostat::PseudoInverse<S>(setup, {})};
+  typename FourWheels<S>::Params p(setup);  // the defaults for this vehicle and period
+  p.controller.k_omega = S(8);
+  return {setup, p};  // a stack, or the Status that refuses its parameters
 }
 
 }  // namespace consumer

@@ -14,8 +14,14 @@ class QuaternionLaw {
   static constexpr bool regulates = true;
 
   struct Params {
-    S k_q = S(1.5);
-    S k_omega = S(8);
+    S k_q, k_omega;
+
+    /// A natural frequency of 0.19 rad/s about the axis of largest inertia, critically damped.
+    explicit Params(const gyrostat::Setup<S>& setup) noexcept {
+      const S J = setup.vehicle.J_B.diagonal().maxCoeff();
+      k_q = S(0.075) * J;
+      k_omega = S(0.4) * J;
+    }
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.k_q, gyrostat::Field{"k_q", "N m", 0, 1e3, "torque per half-angle error"});
@@ -23,9 +29,13 @@ class QuaternionLaw {
     }
   };
 
-  static gyrostat::Status<S> check(const gyrostat::Setup<S>&, const Params&) noexcept { return {}; }
+  /// The sampled damping must be stable.
+  static gyrostat::Status<S> check(const gyrostat::Setup<S>& setup, const Params& p) noexcept {
+    const S J = setup.vehicle.J_B.diagonal().minCoeff();
+    return gyrostat::Status<S>::require(p.k_omega * setup.dt < J, "k_omega * dt", p.k_omega * setup.dt, J);
+  }
 
-  QuaternionLaw(const gyrostat::Setup<S>&, const Params& params) noexcept : params_(params) {}
+  QuaternionLaw(gyrostat::Unchecked, const gyrostat::Setup<S>&, const Params& params) noexcept : params_(params) {}
 
   [[nodiscard]] gyrostat::Demand<S> start(const gyrostat::Estimate<S>& x, const gyrostat::Detection<S>&,
                                           const gyrostat::Reference<S>& ref) noexcept {

@@ -10,7 +10,8 @@ using Memory = gyrostat::CallerMemory<Stack>;
 static_assert(sizeof(wheels) >= Memory::bytes);
 
 extern "C" int wheels_init(void* memory) {
-  return Memory::make(memory, consumer::make_four_wheels<float>()) != nullptr ? 0 : 1;
+  const gyrostat::Checked<Stack> stack = consumer::make_four_wheels<float>();
+  return stack && Memory::make(memory, *stack) != nullptr ? 0 : 1;
 }
 
 extern "C" int wheels_step(void* memory, const wheels_measurement* y, const wheels_reference* ref,

@@ -30,13 +30,14 @@ int replay(const std::string& name, const char* scalar) {
     std::uint32_t events;
   } state = {};
 
-  const gyrostat::Status<S> status = Stack::check(Stack::parameters());
-  if (!status.ok()) {
+  auto made = Stack::make();
+  if (!made) {
+    const gyrostat::Status<S>& status = made.status();
     std::fprintf(stderr, "%s in %s: %s = %g, must be %s %g\n", name.c_str(), scalar, status.quantity,
                  static_cast<double>(status.value), status.relation, static_cast<double>(status.limit));
     return 1;
   }
-  auto stack = Stack::make();
+  auto& stack = *made;
   std::FILE* in = std::fopen((name + ".in").c_str(), "rb");
   std::FILE* out = std::fopen((name + "." + scalar).c_str(), "wb");
   if (in == nullptr || out == nullptr) return 2;

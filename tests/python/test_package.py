@@ -44,23 +44,6 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
         _ = gs.scenaro
 
 
-def test_the_embedded_contract_flies_every_flight_component_of_the_catalogue() -> None:
-    """No heap, no exceptions, float and double: what those tests must hold for is a list of types in C++."""
-    cpp = ROOT / "tests" / "cpp"
-    stacks = [cpp / "contract" / "stacks.hpp", cpp / "contract" / "every_component.hpp"]
-    files = dict.fromkeys(("observer", "detector", "controller", "allocator"), stacks)
-    files["allocator"] = [*stacks, cpp / "flight" / "allocators" / "test_optimal_allocators.cpp"]
-    named = re.compile(
-        r"^class (\w+)(?:(?!^class ).)*?static constexpr const char\* name = \"(\w+)\"", re.DOTALL | re.MULTILINE
-    )
-    headers = (ROOT / "cpp" / "flight").rglob("*.hpp")
-    classes = {name: kind for path in headers for kind, name in named.findall(path.read_text())}
-    for role, sources in files.items():
-        flown = set(re.findall(r"(\w+)<S>", "\n".join(path.read_text() for path in sources)))
-        for name in _core.catalogue()[role]:
-            assert classes[name] in flown, f"{role} {name}"
-
-
 def test_the_package_carries_the_notices_of_what_is_compiled_in() -> None:
     """As the wheel holds them: what pip wrote down of it."""
     listed = [str(path) for path in importlib.metadata.files("gyrostat") or []]

@@ -319,14 +319,14 @@ static_assert(carries_all<float>() && carries_all<double>());
 /// Instantiates the bodies too.
 [[maybe_unused]] void step_all(const Setup<double>& s, const Measurement<double>& y, const Reference<double>& ref) {
   const auto step = [&](auto stack) { stack.step(y, ref); };
-  const NoDetector<double> none(s, {});
-  const PseudoInverse<double> pinv(s, {});
-  step(FlightStack(s, Li2018Observer<double>(s), none, Li2018Controller<double>(s), pinv));
-  step(FlightStack(s, Cao2022Observer<double>(s), none, Cao2022Controller<double>(s), pinv));
-  step(FlightStack(s, Wang2023Observer<double>(s), none, Wang2023Controller<double>(s), pinv));
-  step(FlightStack(s, Cao2023Observer<double>(s), none, Cao2023Controller<double>(s), pinv));
-  step(FlightStack(s, Yang2023Observer<double>(s), Yang2023Detector<double>(s), Yang2023Controller<double>(s),
-                   Yang2023Allocator<double>(s)));
+  const auto none = by_default<NoDetector<double>>(s);
+  const auto pinv = by_default<PseudoInverse<double>>(s);
+  step(FlightStack(unchecked, s, Li2018Observer<double>(s), none, Li2018Controller<double>(s), pinv));
+  step(FlightStack(unchecked, s, Cao2022Observer<double>(s), none, Cao2022Controller<double>(s), pinv));
+  step(FlightStack(unchecked, s, Wang2023Observer<double>(s), none, Wang2023Controller<double>(s), pinv));
+  step(FlightStack(unchecked, s, Cao2023Observer<double>(s), none, Cao2023Controller<double>(s), pinv));
+  step(FlightStack(unchecked, s, Yang2023Observer<double>(s), Yang2023Detector<double>(s),
+                   Yang2023Controller<double>(s), Yang2023Allocator<double>(s)));
 }
 
 }  // namespace

@@ -1,46 +1,33 @@
 // SPDX-License-Identifier: MIT
-/// @file  Some static stacks with default parameters; every_component.hpp has the others.
+/// @file  Static stacks with default parameters, and measurements for them.
 #pragma once
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "../flight/vehicles.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
-#include "gyrostat/flight/controllers/fast_terminal_sliding_mode.hpp"
-#include "gyrostat/flight/controllers/finite_time.hpp"
-#include "gyrostat/flight/controllers/integral_sliding_mode.hpp"
-#include "gyrostat/flight/controllers/mrp_feedback.hpp"
-#include "gyrostat/flight/controllers/open_loop.hpp"
-#include "gyrostat/flight/controllers/prescribed_performance.hpp"
-#include "gyrostat/flight/controllers/saturated_pd.hpp"
-#include "gyrostat/flight/detectors/none.hpp"
-#include "gyrostat/flight/detectors/threshold.hpp"
-#include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
-#include "gyrostat/flight/observers/finite_time_disturbance.hpp"
-#include "gyrostat/flight/observers/iterative_learning.hpp"
-#include "gyrostat/flight/observers/passthrough.hpp"
+#include "gyrostat/flight/controllers.hpp"
+#include "gyrostat/flight/detectors.hpp"
+#include "gyrostat/flight/observers.hpp"
 #include "gyrostat/flight/stack.hpp"
 
 namespace gyrostat::test {
 
-/// A stack of components with their default parameters.
 template <class O, class D, class C, class A>
-FlightStack<O, D, C, A> stack_of(const Setup<typename O::Scalar>& s) {
-  return {s, O(s, default_params<O>(s)), D(s, default_params<D>(s)), C(s, default_params<C>(s)),
-          A(s, default_params<A>(s))};
+auto stack_of(const Setup<typename O::Scalar>& s) {
+  return by_default<FlightStack<O, D, C, A>>(s);
 }
 
-/// Calls `with` for every stack.
-template <class S>
-void for_every_stack(const Setup<S>& s, auto&& with) {
-  using N = NoDetector<S>;
-  using P = PseudoInverse<S>;
-  with(stack_of<FiniteTimeDisturbanceObserver<S>, N, IntegralSlidingMode<S>, P>(s));
-  with(stack_of<FiniteTimeDisturbanceObserver<S>, N, FiniteTime<S>, P>(s));
-  with(stack_of<Passthrough<S>, N, SaturatedPd<S>, P>(s));
-  with(stack_of<Passthrough<S>, N, MrpFeedback<S>, P>(s));
-  with(stack_of<Passthrough<S>, N, OpenLoop<S>, P>(s));
-  with(stack_of<AdaptiveIterativeLearningObserver<S>, ThresholdDetector<S>, PrescribedPerformance<S>, P>(s));
-  with(stack_of<IterativeLearningObserver<S>, ThresholdDetector<S>, FastTerminalSlidingMode<S>, P>(s));
+/// Calls `with` for stacks that between them hold every component of four lists (observers, detectors, controllers,
+/// allocators): the i-th stack has the i-th of each, counted round.
+template <class S, class... Lists>
+void for_every_component(const Setup<S>& s, auto&& with) {
+  constexpr std::size_t stacks = std::max({Lists::count...});
+  const auto one = [&]<std::size_t i>() { with(stack_of<typename Lists::template at<S, i>...>(s)); };
+  [&]<std::size_t... i>(std::index_sequence<i...>) {
+    (one.template operator()<i>(), ...);
+  }(std::make_index_sequence<stacks>{});
 }
 
 /// A measurement of a body that turns and nods; no plant, so that nothing but flight is exercised.

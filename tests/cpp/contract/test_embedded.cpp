@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Flight code on an embedded target: compiled without exceptions and RTTI, for float and double, and not one allocation in a
 // thousand samples. Eigen allocates past operator new, so it is asked to assert that it does not.
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <cstring>
 #include <new>
+#include <string_view>
 
 namespace {
 std::atomic<long> allocations{0};
@@ -28,7 +31,8 @@ void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 #include <Eigen/Dense>
 
-#include "every_component.hpp"
+#include "gyrostat/flight/allocators.hpp"
+#include "stacks.hpp"
 
 namespace gyrostat::test {
 namespace {
@@ -39,6 +43,17 @@ namespace {
 #ifdef __cpp_rtti
 #error "this test is meant to be compiled with -fno-rtti"
 #endif
+
+template <class S>
+void for_every_stack(const gyrostat::Setup<S>& setup, auto&& with) {
+  for_every_component<S, Observers, Detectors, Controllers, Allocators>(setup, with);
+}
+
+/// Out of line, so that each stack is compiled once.
+template <class Stack, class S = typename Stack::Scalar>
+[[gnu::noinline]] const Allocation<S>& step(Stack& stack, const Measurement<S>& y, const Reference<S>& ref = {}) {
+  return stack.step(y, ref);
+}
 
 template <class S>
 class Embedded : public testing::Test {};
@@ -52,18 +67,18 @@ TYPED_TEST(Embedded, NoAllocationFromConstructionOn) {
   Eigen::internal::set_is_malloc_allowed(false);
   int stacks = 0;
   bool finite = true;
-  for_every_component<S>(setup, [&](auto stack) {
+  for_every_stack<S>(setup, [&](auto stack) {
     static_assert(decltype(stack)::cannot_throw);
     static_assert(noexcept(stack.step(std::declval<const Measurement<S>&>(), std::declval<const Reference<S>&>())));
-    for (Tick k = 0; k < 1000; ++k) finite = finite && stack.step(wobble<S>(k, 4), {}).u.allFinite();
+    for (Tick k = 0; k < 1000; ++k) finite = finite && step(stack, wobble<S>(k, 4)).u.allFinite();
     stack.reset();
-    stack.step(wobble<S>(0, 4), {});
+    step(stack, wobble<S>(0, 4));
     ++stacks;
   });
   Eigen::internal::set_is_malloc_allowed(true);
   EXPECT_EQ(allocations - before, 0);
   EXPECT_EQ(eigen_failures - failed, 0);
-  EXPECT_EQ(stacks, 13);
+  EXPECT_EQ(stacks, static_cast<int>(Controllers::count)) << "the longest list";
   EXPECT_TRUE(finite);
 }
 
@@ -85,10 +100,10 @@ TYPED_TEST(Embedded, CommandsStayInsideTheirLimitsWhateverComesIn) {
   // Four equal numbers of any size here are no quaternion; a rate or momentum of 1e6 is beyond any motion of this vehicle.
   const auto impossible = [](int field, S spoil) { return field == 1 || field == 5 || !(std::abs(spoil) < S(1e6)); };
   int stacks = 0;
-  for_every_component<S>(setup, [&](auto stack) {
+  for_every_stack<S>(setup, [&](auto stack) {
     Tick k = 0;
     const auto inside = [&](const Measurement<S>& y, const Reference<S>& ref) {
-      const VecN<S>& u = stack.step(y, ref).u;
+      const VecN<S>& u = step(stack, y, ref).u;
       return u.allFinite() && (u.array() >= setup.vehicle.u_lo.array()).all() &&
              (u.array() <= setup.vehicle.u_up.array()).all();
     };
@@ -120,15 +135,153 @@ TYPED_TEST(Embedded, CommandsStayInsideTheirLimitsWhateverComesIn) {
 
 TYPED_TEST(Embedded, TelemetryAllocatesNothingEither) {
   using S = TypeParam;
-  for_every_component<S>(ftc_4rw<S>(), [](auto stack) {
-    stack.step(wobble<S>(0, 4), {});
+  for_every_stack<S>(ftc_4rw<S>(), [](auto stack) {
+    step(stack, wobble<S>(0, 4));
     const long before = allocations;
     long values = 0;
+    stack.estimator.observer.telemetry([&values](auto, const auto&) { ++values; });
+    stack.estimator.detector.telemetry([&values](auto, const auto&) { ++values; });
     stack.controller.telemetry([&values](auto, const auto&) { ++values; });
     stack.allocator.telemetry([&values](auto, const auto&) { ++values; });
     EXPECT_EQ(allocations - before, 0);
     EXPECT_GT(values, 0);
   });
+}
+
+TYPED_TEST(Embedded, AResetIsAsConstructed) {
+  using S = TypeParam;
+  for_every_stack<S>(ftc_4rw<S>(), [](auto stack) {
+    auto used = stack;
+    for (Tick k = 0; k < 20; ++k) step(used, wobble<S>(k, 4));
+    used.reset();
+    for (Tick k = 0; k < 5; ++k) EXPECT_EQ(step(used, wobble<S>(k, 4)).u, step(stack, wobble<S>(k, 4)).u);
+  });
+}
+
+// ---- float ---------------------------------------------------------------------------------------------------------
+
+template <class S>
+Allocation<S> commanded(Tick k) {
+  const double t = 0.01 * static_cast<double>(k);
+  Allocation<S> a = Allocation<S>::idle(4);
+  a.u << S(0.1 * std::sin(t)), S(-0.05), S(0.08 * std::cos(2 * t)), S(0.03);
+  return a;
+}
+
+template <class S>
+Estimate<S> estimated(Tick k) {
+  const double t = 0.01 * static_cast<double>(k);
+  Estimate<S> x = Estimate<S>::healthy(wobble<S>(k, 4));
+  x.d_B = {S(0.01), S(-0.02 * std::sin(t)), S(0.015)};
+  x.effectiveness << S(0.9), S(0.4 + 0.1 * std::cos(t)), S(1), S(0.7);
+  x.effectiveness_bound.setConstant(S(0.1));
+  return x;
+}
+
+// What a component gives at sample k, whatever its scalar.
+template <Observer T, class S = typename T::Scalar>
+VecN<double> answer(T& observer, Tick k) {
+  const Measurement<S> y = wobble<S>(k, 4);
+  const Estimate<S> x = k == 0 ? observer.start(y) : observer.step(y, commanded<S>(k - 1));
+  VecN<double> out(7);
+  out << x.d_B.template cast<double>(), x.effectiveness.template cast<double>();
+  return out;
+}
+template <Detector T, class S = typename T::Scalar>
+VecN<double> answer(T& detector, Tick k) {
+  const Estimate<S> x = estimated<S>(k);
+  const Detection<S> det = k == 0 ? detector.start(x) : detector.step(x, commanded<S>(k - 1));
+  return VecN<double>::Constant(1, det.enabled.bits() + 16.0 * det.changed.bits());
+}
+template <Controller T, class S = typename T::Scalar>
+VecN<double> answer(T& controller, Tick k) {
+  const Estimate<S> x = estimated<S>(k);
+  const Detection<S> det = Detection<S>::none(ftc_4rw<S>().vehicle);
+  return (k == 0 ? controller.start(x, det, {}) : controller.step(x, det, {}, commanded<S>(k - 1)))
+      .tau_B.template cast<double>();
+}
+template <Allocator T, class S = typename T::Scalar>
+VecN<double> answer(T& allocator, Tick k) {
+  Demand<S> demand;
+  demand.tau_B = ftc_4rw<S>().vehicle.D_B * commanded<S>(k).u;
+  demand.u_pref.setZero(4);
+  const Estimate<S> x = estimated<S>(k);
+  return allocator.step(demand, x, Detection<S>::none(ftc_4rw<S>().vehicle)).u.template cast<double>();
+}
+
+/// Over 500 samples, of the largest number that the component gives.
+template <class Float, class Double>
+double float_deviation() {
+  auto one = by_default<Float>(ftc_4rw<float>());
+  auto other = by_default<Double>(ftc_4rw<double>());
+  double worst = 0, largest = 0;
+  for (Tick k = 0; k < 500; ++k) {
+    const VecN<double> a = answer(one, k), b = answer(other, k);
+    worst = std::max(worst, (a - b).cwiseAbs().maxCoeff());
+    largest = std::max(largest, b.cwiseAbs().maxCoeff());
+  }
+  return largest > 0 ? worst / largest : worst;
+}
+
+/// Every component of a list but those that say `switching`; how many there were.
+template <class List>
+int expect_float_to_follow_double() {
+  int held = 0;
+  const auto one = [&]<std::size_t i>() {
+    using T = typename List::template at<double, i>;
+    if constexpr (!traits_of<T>().switching) {
+      EXPECT_LT((float_deviation<typename List::template at<float, i>, T>()), 1e-3) << T::name;
+      ++held;
+    }
+  };
+  [&]<std::size_t... i>(std::index_sequence<i...>) {
+    (one.template operator()<i>(), ...);
+  }(std::make_index_sequence<List::count>{});
+  return held;
+}
+
+TEST(EmbeddedFloat, FollowsDoubleSampleBySampleWhereNothingSwitches) {
+  EXPECT_GT(expect_float_to_follow_double<Observers>(), 0);
+  EXPECT_GT(expect_float_to_follow_double<Detectors>(), 0);
+  EXPECT_GT(expect_float_to_follow_double<Controllers>(), 0);
+  EXPECT_GT(expect_float_to_follow_double<Allocators>(), 0);
+}
+
+// ---- the parameters ------------------------------------------------------------------------------------------------
+
+/// Whether every number is inside the range of its Field: none was forgotten by the constructor.
+struct InRange {
+  const char* component;
+  void operator()(const auto& member, const Field& f) const {
+    if constexpr (requires { member.allFinite(); }) {
+      for (Eigen::Index i = 0; i < member.size(); ++i) (*this)(member.data()[i], f);
+    } else if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(member)>>) {
+      EXPECT_TRUE(member >= f.lo && member <= f.hi) << component << "." << f.name << " = " << double(member);
+    }
+  }
+  void operator()(const auto& member, const Choice& c) const {
+    const std::string_view options = c.options;
+    EXPECT_LE(static_cast<std::ptrdiff_t>(member), std::count(options.begin(), options.end(), '|')) << component;
+  }
+  void operator()(const bool&, const Switch&) const {}
+};
+
+/// Made in memory that holds no number, so that one that is left out shows; the barriers keep the compiler from knowing better.
+TYPED_TEST(Embedded, EveryParameterHasADefaultInsideItsRange) {
+  using S = TypeParam;
+  const auto look = []<class T>() {
+    using Params = typename T::Params;
+    alignas(Params) static unsigned char memory[sizeof(Params)];
+    std::memset(memory, 0xFF, sizeof memory);
+    asm volatile("" : : "r"(memory) : "memory");
+    const Params* p = new (memory) Params(ftc_4rw<S>());
+    asm volatile("" : : "r"(memory) : "memory");
+    Params::describe(*p, InRange{T::name});
+  };
+  Observers::each<S>(look);
+  Detectors::each<S>(look);
+  Controllers::each<S>(look);
+  Allocators::each<S>(look);
 }
 
 TEST(EmbeddedCounters, NoticeAnAllocation) {  // the test above can fail

@@ -2,6 +2,8 @@
 // What the stack passes on, in which order things start, and what is left when a component fails twice.
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "stacks.hpp"
 
 namespace gyrostat::test {
@@ -98,6 +100,35 @@ TEST(Stack, IsIdleInsideLimitsThatDoNotHoldZero) {
   for (Tick k = 1; k < 5; ++k) stack.step(wobble<double>(k, 4), {});
   stack.reset();
   EXPECT_EQ(stack.last().u, nearest);
+}
+
+// ---- what is refused before it flies -----------------------------------------------------------------------------
+
+TEST(StackCheck, AsksEveryComponentAndWhetherObserverAndAllocatorFitEachOther) {
+  using Stack = FlightStack<IterativeLearningObserver<double>, ThresholdDetector<double>, OpenLoop<double>,
+                            PseudoInverse<double>>;
+  static_assert(!std::is_constructible_v<Stack, const gyrostat::Setup<double>&, const Stack::Params&>);
+  static_assert(!std::is_constructible_v<Stack, const gyrostat::Setup<double>&, IterativeLearningObserver<double>,
+                                         ThresholdDetector<double>, OpenLoop<double>, PseudoInverse<double>>);
+  const gyrostat::Setup<double> setup = ftc_4rw<double>();
+  EXPECT_TRUE(Checked<Stack>(setup));
+  const auto refused = [&](auto&& change) {
+    Stack::Params p(setup);
+    change(p);
+    const Checked<Stack> stack(setup, p);
+    EXPECT_FALSE(stack);
+    return stack.status();
+  };
+  const Status<double> lost = refused([](Stack::Params& p) { p.observer.e_min = 0.04; });
+  EXPECT_EQ(lost.code, Status<double>::Code::unstable) << "an actuator at 4 % would never be commanded again";
+  EXPECT_EQ(lost.value, 0.04);
+  EXPECT_EQ(lost.limit, 0.05);
+  EXPECT_EQ(refused([](Stack::Params& p) { p.observer.k1 = 1e9; }).code, Status<double>::Code::unstable);
+  EXPECT_EQ(std::string(refused([](Stack::Params& p) { p.detector.settle = 1e3; }).quantity), "settle");
+  EXPECT_EQ(refused([](Stack::Params& p) { p.controller.command.resize(3); }).value, 3);
+  Stack::Params both(setup);
+  both.observer.e_min = both.allocator.e_min = 0.04;
+  EXPECT_TRUE(Checked<Stack>(setup, both));
 }
 
 // ---- the second failure in a row ----------------------------------------------------------------------------------

@@ -23,7 +23,7 @@ Setup<S> setup(S u_max = S(0.25), S dt = S(0.001)) {
 
 template <class S>
 typename FiniteTimeDisturbanceObserver<S>::Params observer() {
-  typename FiniteTimeDisturbanceObserver<S>::Params p;
+  typename FiniteTimeDisturbanceObserver<S>::Params p(setup<S>());
   p.alpha1 = S(0.6);
   p.lambda1 = S(1);
   p.lambda2 = S(0.6);
@@ -32,7 +32,7 @@ typename FiniteTimeDisturbanceObserver<S>::Params observer() {
 
 template <class S>
 typename IntegralSlidingMode<S>::Params controller() {
-  typename IntegralSlidingMode<S>::Params p;
+  typename IntegralSlidingMode<S>::Params p(setup<S>());
   p.nominal.k1 = S(4.9);
   p.nominal.k2 = S(3);
   p.nominal.beta1 = S(0.9);
@@ -49,7 +49,7 @@ typename IntegralSlidingMode<S>::Params controller() {
 
 template <class S>
 typename SaturatedPd<S>::Params saturated_pd() {
-  typename SaturatedPd<S>::Params p;
+  typename SaturatedPd<S>::Params p(setup<S>());
   p.kp = S(10);
   p.kd = S(13);
   p.ws = S(0.1);
@@ -58,7 +58,7 @@ typename SaturatedPd<S>::Params saturated_pd() {
 
 template <class S>
 typename PseudoInverse<S>::Params allocator() {
-  typename PseudoInverse<S>::Params p;
+  typename PseudoInverse<S>::Params p(setup<S>());
   p.use_effectiveness = false;
   return p;
 }
@@ -70,11 +70,18 @@ using PdStack = FlightStack<Passthrough<S>, NoDetector<S>, SaturatedPd<S>, Pseud
 
 template <class S>
 Stack<S> stack(const Setup<S>& s) {
-  return {s, {s, observer<S>()}, NoDetector<S>(s), {s, controller<S>()}, {s, allocator<S>()}};
+  typename Stack<S>::Params p(s);
+  p.observer = observer<S>();
+  p.controller = controller<S>();
+  p.allocator = allocator<S>();
+  return Stack<S>(unchecked, s, p);
 }
 template <class S>
 PdStack<S> pd_stack(const Setup<S>& s) {
-  return {s, Passthrough<S>(s), NoDetector<S>(s), {s, saturated_pd<S>()}, {s, allocator<S>()}};
+  typename PdStack<S>::Params p(s);
+  p.controller = saturated_pd<S>();
+  p.allocator = allocator<S>();
+  return PdStack<S>(unchecked, s, p);
 }
 
 }  // namespace gyrostat::test::li2018

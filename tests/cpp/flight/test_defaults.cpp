@@ -81,8 +81,8 @@ TEST(EffectivenessFloor, OfAnObserverMustNotBeBelowTheAllocators) {
   using O = IterativeLearningObserver<float>;
   using A = PseudoInverse<float>;
   const auto setup = ftc_4rw<float>();
-  auto o = default_params<O>(setup);
-  auto a = default_params<A>(setup);
+  typename O::Params o(setup);
+  typename A::Params a(setup);
   const auto ok = [&] {
     return actuators_can_recover(effectiveness_floor_of<O>(o), effectiveness_floor_of<A>(a)).ok();
   };
@@ -91,7 +91,8 @@ TEST(EffectivenessFloor, OfAnObserverMustNotBeBelowTheAllocators) {
   EXPECT_FALSE(ok());
   a.use_effectiveness = false;
   EXPECT_TRUE(ok());
-  EXPECT_TRUE(actuators_can_recover(effectiveness_floor_of<Passthrough<float>>({}), 1.0f).ok());
+  EXPECT_TRUE(
+      actuators_can_recover(effectiveness_floor_of<Passthrough<float>>(Passthrough<float>::Params(setup)), 1.0f).ok());
 }
 
 struct Craft {
@@ -111,13 +112,9 @@ gyrostat::Setup<double> setup_of(const Craft& c) {
 
 template <class O, class C>
 auto stack_of_defaults(const gyrostat::Setup<double>& s) {
-  using A = PseudoInverse<double>;
-  const auto o = default_params<O>(s);
-  const auto c = default_params<C>(s);
-  EXPECT_TRUE(O::check(s, o).ok());
-  EXPECT_TRUE(C::check(s, c).ok());
-  return FlightStack<O, NoDetector<double>, C, A>(s, O(s, o), NoDetector<double>(s), C(s, c),
-                                                  A(s, default_params<A>(s)));
+  Checked<FlightStack<O, NoDetector<double>, C, PseudoInverse<double>>> stack(s);
+  EXPECT_TRUE(stack) << stack.status().quantity;
+  return *stack;
 }
 
 /// Pointing error, deg, at the end of the library's reference scenario: tumbling slowly from (.1, .2, -.3), one wheel at 40 %

@@ -20,10 +20,7 @@ namespace {
 using Stack = FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>;
 using Memory = CallerMemory<Stack>;
 
-Stack some_stack() {
-  const gyrostat::Setup<double> s = ftc_4rw<double>();
-  return {s, Passthrough<double>(s), NoDetector<double>(s), {s, default_params<MrpFeedback<double>>(s)}, {s, {}}};
-}
+Stack some_stack() { return by_default<Stack>(ftc_4rw<double>()); }
 
 struct PlainMeasurement {
   std::uint64_t tick = 7;

@@ -14,7 +14,11 @@ using Law = IntegralSlidingMode<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 li2018::Stack<double> stack_with(const gyrostat::Setup<double>& s, const Law::Params& p) {
-  return {s, {s, li2018::observer<double>()}, NoDetector<double>(s), {s, p}, {s, li2018::allocator<double>()}};
+  li2018::Stack<double>::Params all(s);
+  all.observer = li2018::observer<double>();
+  all.controller = p;
+  all.allocator = li2018::allocator<double>();
+  return li2018::Stack<double>(unchecked, s, all);
 }
 
 /// Largest entry of a telemetry vector.
@@ -91,7 +95,7 @@ TEST(IntegralSlidingMode, GainFollowsThePublishedBranches) {
   // A kick of the rate about the first axis puts s = J dw there; the gain then moves by one Euler step.
   const auto gain_step = [&](double s, double gain) {
     p.gain_0.setConstant(gain);
-    Law law(setup, p);
+    Law law(unchecked, setup, p);
     Measurement<double> y;
     y.h_w = VecN<double>::Zero(4);
     (void)law.start(Estimate<double>::healthy(y), {}, {});
@@ -130,9 +134,9 @@ TEST(IntegralSlidingMode, ClampHoldsTheMomentumErrorWhileTheLimiterIsBusy) {
 TEST(IntegralSlidingMode, IdentitySurfaceGivesARate) {
   auto p = li2018::controller<double>();
   const auto setup = li2018::setup(infinity, 0.001);
-  Law momentum(setup, p);
+  Law momentum(unchecked, setup, p);
   p.surface = Law::Surface::identity;
-  Law rate(setup, p);
+  Law rate(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(4);
   for (Law* law : {&momentum, &rate}) (void)law->start(Estimate<double>::healthy(y), {}, {});
@@ -150,7 +154,7 @@ TEST(IntegralSlidingMode, PrintedSignSwitchesTheWholeGainWhichStillFallsInsideEp
   p.K3.setZero();
   p.K4.setZero();
   const auto setup = li2018::setup(infinity, 0.001);
-  Law law(setup, p);
+  Law law(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(4);
   const Demand<double> at_zero = law.start(Estimate<double>::healthy(y), {}, {});

@@ -38,6 +38,20 @@ TEST(LearningRecursion, LosesItsHalfSampleRateModeWhereTheClosedFormSays) {
   }
 }
 
+/// The published gains.
+template <class S>
+typename LearningDisturbanceObserver<S>::Params gains(const gyrostat::Setup<S>& setup, S interval,
+                                                      typename LearningDisturbanceObserver<S>::Form form) {
+  typename LearningDisturbanceObserver<S>::Params p(setup);
+  p.M = S(18);
+  p.k1 = S(0.98);
+  p.k2 = S(15);
+  p.k3 = S(5);
+  p.interval = interval;
+  p.form = form;
+  return p;
+}
+
 template <class S>
 class LearningDisturbance : public ::testing::Test {};
 using Scalars = ::testing::Types<float, double>;
@@ -47,7 +61,7 @@ TYPED_TEST(LearningDisturbance, RefusesTheUnstableSettingWithItsRadius) {
   using S = TypeParam;
   using Observer = LearningDisturbanceObserver<S>;
   auto setup = ftc_4rw<S>();
-  typename Observer::Params p{S(18), S(0.98), S(15), S(5), S(0.01), Observer::Form::rolling};
+  auto p = gains<S>(setup, S(0.01), Observer::Form::rolling);
   setup.dt = S(0.005);
   const Status<S> refused = Observer::check(setup, p);
   EXPECT_EQ(refused.code, Status<S>::Code::unstable);
@@ -69,9 +83,9 @@ TYPED_TEST(LearningDisturbance, LeavesTheShareOfAConstantTorqueThatItsGainsSay) 
   for (const auto form : {Observer::Form::held, Observer::Form::rolling}) {
     auto setup = ftc_4rw<S>();
     setup.dt = S(0.001);
-    const typename Observer::Params p{S(18), S(0.98), S(15), S(5), S(0.01), form};
+    const auto p = gains<S>(setup, S(0.01), form);
     setup.vehicle.J_B.setIdentity();  // no gyroscopic torque: the rate grows by exactly f h a sample
-    Observer observer(setup, p);
+    Observer observer(unchecked, setup, p);
     const Vec3<S> f(S(0.02), S(0), S(0));
     Measurement<S> y;
     y.h_w = VecN<S>::Zero(4);
@@ -93,7 +107,7 @@ TYPED_TEST(LearningDisturbance, CountsWheelsCommandsAndGyroscopicTorqueOnce) {
   using S = TypeParam;
   auto setup = ftc_4rw<S>();
   const Vehicle<S>& v = setup.vehicle;
-  LearningDisturbanceObserver<S> observer(setup, LearningDisturbanceObserver<S>::Params::defaults(setup));
+  auto observer = by_default<LearningDisturbanceObserver<S>>(setup);
   Measurement<S> y;
   y.omega_BN_B = Vec3<S>(S(0.1), S(-0.2), S(0.15));
   y.h_w = VecN<S>(4);
@@ -114,7 +128,7 @@ TEST(LearningDisturbance, MovesItsErrorByTheExactSolution) {
   setup.dt = 0.01;
   setup.vehicle.J_B.setIdentity();
   using Observer = LearningDisturbanceObserver<double>;
-  Observer observer(setup, {18, 0.98, 15, 5, 0.05, Observer::Form::held});
+  Observer observer(unchecked, setup, gains<double>(setup, 0.05, Observer::Form::held));
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(4);
   Estimate<double> x = observer.start(y);
@@ -134,8 +148,9 @@ TEST(LearningDisturbanceObserver, IsItsRecursionWithTheMeanOfTheKnownTorque) {
   const Mat3N<double>& D = setup.vehicle.D_B;
   for (const auto form : {Observer::Form::held, Observer::Form::rolling}) {
     for (const auto from : {Observer::Start::measured, Observer::Start::zero}) {
-      Observer::Params p{18, 0.98, 15, 5, 0.03, form, from};
-      Observer observer(setup, p);
+      auto p = gains<double>(setup, 0.03, form);
+      p.start = from;
+      Observer observer(unchecked, setup, p);
       const bool held = form == Observer::Form::held;
       const std::size_t back = held ? 1 : 3;
       for (int start = 0; start < 2; ++start) {

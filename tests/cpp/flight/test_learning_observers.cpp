@@ -43,7 +43,7 @@ TYPED_TEST(LearningObservers, FourWheelsAreToldApartOnceTheirCommandsVary) {
   const Setup<S> setup = ftc_4rw<S>();
   Body body(setup.vehicle);
   body.effectiveness << 0.4, 1.0, 0.7, 0.05;
-  LearningEffectiveness<S> observer(setup, LearningEffectiveness<S>::Params::defaults(setup));
+  auto observer = by_default<LearningEffectiveness<S>>(setup);
   Estimate<S> x;
   watch(observer, body, 0.01, 3000, exciting, [&](int, const Estimate<S>& now, const auto&) { x = now; });
   for (int i = 0; i < 4; ++i) {
@@ -61,7 +61,7 @@ TYPED_TEST(LearningObservers, AnActuatorThatIsNotCommandedIsHeldToTheBitAndUnkno
   const Setup<S> setup = ftc_4rw<S>();
   Body body(setup.vehicle);
   body.effectiveness[3] = 0.5;
-  LearningEffectiveness<S> observer(setup, LearningEffectiveness<S>::Params::defaults(setup));
+  auto observer = by_default<LearningEffectiveness<S>>(setup);
   watch(
       observer, body, 0.01, 500,
       [](int k) {
@@ -79,9 +79,9 @@ TYPED_TEST(LearningObservers, EstimatesStayInsideTheirRangeUnderAnyCommand) {
   using S = TypeParam;
   const Setup<S> setup = ftc_4rw<S>();
   const auto inside = [&]<class Observer>(std::type_identity<Observer>) {
-    auto p = Observer::Params::defaults(setup);
+    typename Observer::Params p(setup);
     p.e_min = S(1e-4);
-    Observer observer(setup, p);
+    Observer observer(unchecked, setup, p);
     Random random(3);
     Body body(setup.vehicle);
     body.effectiveness << 0.0, 0.3, 1.0, 0.6;
@@ -107,18 +107,20 @@ TYPED_TEST(LearningObservers, EstimatesStayInsideTheirRangeUnderAnyCommand) {
 TYPED_TEST(LearningObservers, NoDefaultEstimateIsSoSmallThatAllocatorsDropIt) {
   using S = TypeParam;
   const Setup<S> setup = ftc_4rw<S>();
-  const S least = default_params<PseudoInverse<S>>(setup).e_min;
-  EXPECT_GE(LearningEffectiveness<S>::Params::defaults(setup).e_min, least);
-  EXPECT_GE(LearningEffectivenessPrinted<S>::Params::defaults(setup).e_min, least);
-  EXPECT_GE(AdaptiveSlidingMode<S>::Params::defaults(setup).e_min, least);
+  const S least = typename PseudoInverse<S>::Params(setup).e_min;
+  EXPECT_GE(typename LearningEffectiveness<S>::Params(setup).e_min, least);
+  EXPECT_GE(typename LearningEffectivenessPrinted<S>::Params(setup).e_min, least);
+  EXPECT_GE(typename AdaptiveSlidingMode<S>::Params(setup).e_min, least);
 }
 
 TEST(LearningEffectivenessDouble, IsTheSumAnAxisOnThreeOrthogonalWheels) {
   const Mat3<double> J = Vec3<double>(36, 17, 26).asDiagonal();
   const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
-  LearningEffectiveness<double>::Params p;
+  LearningEffectiveness<double>::Params p(setup);
+  p.u0 = p.u_exc = p.torque_error = 0.3;
+  p.memory = 30;
   p.M = {80, 50, 60};
-  LearningEffectiveness<double> observer(setup, p);
+  LearningEffectiveness<double> observer(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(3);
   (void)observer.start(y);
@@ -135,9 +137,12 @@ TEST(LearningEffectivenessDouble, IsTheSumAnAxisOnThreeOrthogonalWheels) {
 TEST(LearningEffectivenessDouble, AFaultMakesItsWheelUnknownAtOnceAndLearningMakesItKnownAgain) {
   const Mat3<double> J = Vec3<double>(36, 17, 26).asDiagonal();
   const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
-  LearningEffectiveness<double>::Params p;
+  LearningEffectiveness<double>::Params p(setup);
+  p.u0 = p.u_exc = 0.3;
+  p.M.setConstant(50);
+  p.memory = 30;
   p.torque_error = 0.02;
-  LearningEffectiveness<double> observer(setup, p);
+  LearningEffectiveness<double> observer(unchecked, setup, p);
   Body body(setup.vehicle);
   VecN<double> u(3);
   watch(
@@ -164,7 +169,7 @@ TEST(LearningEffectivenessDouble, AFaultMakesItsWheelUnknownAtOnceAndLearningMak
 
 TEST(LearningEffectivenessDouble, WheelMomentumBelongsToTheModel) {
   auto setup = ftc_4rw<double>();
-  LearningEffectiveness<double> observer(setup, LearningEffectiveness<double>::Params::defaults(setup));
+  auto observer = by_default<LearningEffectiveness<double>>(setup);
   const Mat3<double>& J = setup.vehicle.J_B;
   Measurement<double> y;
   y.h_w = VecN<double>(4);
@@ -191,11 +196,13 @@ TEST(LearningEffectivenessDouble, WheelMomentumBelongsToTheModel) {
 TEST(LearningEffectivenessPrintedDouble, EndsAtTheFixedPointThatTheLeakLeaves) {
   const Mat3<double> J = 26 * Mat3<double>::Identity();
   const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
-  LearningEffectivenessPrinted<double>::Params p;
+  LearningEffectivenessPrinted<double>::Params p(setup);
+  p.l = 0.9;
+  p.direction = LearningEffectivenessPrinted<double>::Direction::none;
   p.H1 = {8, 15, 12};
   p.H2 = {20, 3, 8};
   p.M = {80, 50, 60};
-  LearningEffectivenessPrinted<double> observer(setup, p);
+  LearningEffectivenessPrinted<double> observer(unchecked, setup, p);
   Body body(setup.vehicle);
   body.effectiveness << 0.8, 0.6, 1.0;
   Estimate<double> x;
@@ -210,7 +217,7 @@ TEST(LearningEffectivenessPrintedDouble, EndsAtTheFixedPointThatTheLeakLeaves) {
 
 TEST(LearningEffectivenessPrintedDouble, RefusesADelayThatIsNoWholeNumberOfPeriods) {
   const auto setup = ftc_4rw<double>();
-  auto p = LearningEffectivenessPrinted<double>::Params::defaults(setup);
+  LearningEffectivenessPrinted<double>::Params p(setup);
   EXPECT_TRUE(LearningEffectivenessPrinted<double>::check(setup, p).ok());
   p.delay = 0.015;
   EXPECT_FALSE(LearningEffectivenessPrinted<double>::check(setup, p).ok());
@@ -221,13 +228,13 @@ TEST(LearningEffectivenessPrintedDouble, RefusesADelayThatIsNoWholeNumberOfPerio
 TEST(AdaptiveSlidingModeDouble, IsUnstableUnderAnAlternatingCommandWhereItsCheckSaysSo) {
   const Mat3<double> J = 20 * Mat3<double>::Identity();
   const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 10, 0.01);
-  AdaptiveSlidingMode<double>::Params p;
+  AdaptiveSlidingMode<double>::Params p(setup);
   p.L.setConstant(200);
   p.rho_max = 0;
   const auto spread = [&](double factor) {  // gamma as a multiple of the limit 2 L dt / J
     p.gamma = factor * 2 * (200 * 0.01 / 20) * 20 / (100 * 1e-4);
     EXPECT_EQ((AdaptiveSlidingMode<double>::check(setup, p).ok()), factor < 1) << factor;
-    AdaptiveSlidingMode<double> observer(setup, p);
+    AdaptiveSlidingMode<double> observer(unchecked, setup, p);
     Body body(setup.vehicle);
     body.effectiveness.setConstant(0.5);
     double late = 0;
@@ -254,12 +261,13 @@ struct Held {
 
 TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToItsCap) {
   Held at;
-  AdaptiveSlidingMode<double>::Params p;
+  AdaptiveSlidingMode<double>::Params p(at.setup);
+  p.gamma = 100;
   p.L.setZero();
   p.k_rho = 30;
   p.rho_max = 0.01;
   p.dead_zone = 2e-3;
-  AdaptiveSlidingMode<double> observer(at.setup, p);
+  AdaptiveSlidingMode<double> observer(unchecked, at.setup, p);
   (void)observer.start(at.y);
   at.y.omega_BN_B = {1.9e-3, -2.1e-3, 5e-3};  // inside, just beyond, far beyond
   Vec3<double> rho = Vec3<double>::Zero(), omega_hat = Vec3<double>::Zero();
@@ -285,11 +293,11 @@ TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToI
 
 TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
   Held at;
-  AdaptiveSlidingMode<double>::Params p;
+  AdaptiveSlidingMode<double>::Params p(at.setup);
   p.gamma = 100;
   p.L.setZero();
   p.dead_zone = 1;
-  AdaptiveSlidingMode<double> observer(at.setup, p);
+  AdaptiveSlidingMode<double> observer(unchecked, at.setup, p);
   (void)observer.start(at.y);
   at.last.u << 2, -2, 3;
   // A rate error of 1e-3 below what the commands make on axes 0 and 1 (of either sign), above it on axis 2.
@@ -304,7 +312,7 @@ TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
 
 TEST(AdaptiveSlidingModeDouble, RefusesACorrectionThatOvershoots) {
   Held at;
-  AdaptiveSlidingMode<double>::Params p;
+  AdaptiveSlidingMode<double>::Params p(at.setup);
   p.gamma = 0;
   p.L.setConstant(1999);  // L dt / J = 0.9995
   EXPECT_TRUE(AdaptiveSlidingMode<double>::check(at.setup, p).ok());
@@ -314,7 +322,7 @@ TEST(AdaptiveSlidingModeDouble, RefusesACorrectionThatOvershoots) {
 
 TEST(LearningEffectivenessPrintedDouble, IsThePrintedRecursionWithItsPastError) {
   Held at;
-  LearningEffectivenessPrinted<double>::Params p;
+  LearningEffectivenessPrinted<double>::Params p(at.setup);
   p.l = 0.9;
   p.H1 = {3, 4, 5};
   p.H2 = {6, 7, 8};
@@ -324,7 +332,7 @@ TEST(LearningEffectivenessPrintedDouble, IsThePrintedRecursionWithItsPastError) 
                                LearningEffectivenessPrinted<double>::Direction::command}) {
     p.direction = direction;
     const bool printed = direction == LearningEffectivenessPrinted<double>::Direction::none;
-    LearningEffectivenessPrinted<double> observer(at.setup, p);
+    LearningEffectivenessPrinted<double> observer(unchecked, at.setup, p);
     for (int restart = 0; restart < 2; ++restart) {
       // Without correction, command and torque the predicted rate stays what it was at the start: zero.
       std::vector<Vec3<double>> e{Vec3<double>::Ones(), Vec3<double>::Ones()}, error(2, Vec3<double>::Zero());
@@ -416,12 +424,12 @@ struct WrittenOut {
 
 TEST(LearningEffectivenessDouble, IsTheEquationsOfItsPageBoundIncluded) {
   const auto setup = ftc_4rw<double>();
-  auto p = LearningEffectiveness<double>::Params::defaults(setup);
+  LearningEffectiveness<double>::Params p(setup);
   p.kappa = 0.1;
   p.n = 0.02;
   p.torque_error = 0.02;
   p.memory = 3;
-  LearningEffectiveness<double> observer(setup, p);
+  LearningEffectiveness<double> observer(unchecked, setup, p);
   WrittenOut written{setup, p};
   Random random(9);
   int known = 0, weakest = 0, held = 0;

@@ -162,9 +162,9 @@ Setup<S> cube(S dt = S(0.01)) {
 TYPED_TEST(MixedLearning_, TheObserverFindsAConstantTorqueUpToItsLeak) {
   using S = TypeParam;
   const Setup<S> setup = cube<S>();
-  typename Observer<S>::Params p = Observer<S>::Params::defaults(setup);
+  typename Observer<S>::Params p(setup);
   p.clamp = S(10);
-  Observer<S> observer(setup, p);
+  Observer<S> observer(unchecked, setup, p);
   const Vec3<S> d(S(0.1), S(-0.05), S(0.02));
   const Estimate<S> x = at_rest<S>(observer, d, 4000);
   EXPECT_LT(missing(setup, p, x, d), tolerance<S>);
@@ -174,10 +174,10 @@ TYPED_TEST(MixedLearning_, TheObserverFindsAConstantTorqueUpToItsLeak) {
 TYPED_TEST(MixedLearning_, TheSignTermBiasesTheLearntTorqueByItself) {
   using S = TypeParam;
   const Setup<S> setup = cube<S>();
-  typename Observer<S>::Params p = Observer<S>::Params::defaults(setup);
+  typename Observer<S>::Params p(setup);
   p.clamp = S(10);
   p.theta1 = S(0.005);
-  Observer<S> observer(setup, p);
+  Observer<S> observer(unchecked, setup, p);
   const Vec3<S> d(S(0.1), S(-0.05), S(0.04));
   const Vec3<S> push(p.theta1, -p.theta1, p.theta1);
   const Estimate<S> x = at_rest<S>(observer, d, 4000);
@@ -193,7 +193,7 @@ TYPED_TEST(MixedLearning_, WheelsAndRateThatTheModelExplainsAreNotLearnt) {
   const Vec3<S> gyro = y.omega_BN_B.cross(setup.vehicle.J_B * y.omega_BN_B + Vec3<S>(S(1), S(2), S(-1.5)));
   Allocation<S> last = Allocation<S>::idle(3);
   last.u = gyro;  // holds the rate
-  Observer<S> observer(setup, Observer<S>::Params::defaults(setup));
+  auto observer = by_default<Observer<S>>(setup);
   Estimate<S> x = observer.start(y);
   EXPECT_EQ(x.d_B, Vec3<S>(Vec3<S>::Zero()));
   for (int k = 0; k < 500; ++k) x = observer.step(y, last);
@@ -203,8 +203,8 @@ TYPED_TEST(MixedLearning_, WheelsAndRateThatTheModelExplainsAreNotLearnt) {
 TYPED_TEST(MixedLearning_, StartForgetsAndAColdStartBeginsAtZeroRate) {
   using S = TypeParam;
   const Setup<S> setup = cube<S>();
-  typename Observer<S>::Params p = Observer<S>::Params::defaults(setup);
-  Observer<S> fresh(setup, p), used(setup, p);
+  typename Observer<S>::Params p(setup);
+  Observer<S> fresh(unchecked, setup, p), used(unchecked, setup, p);
   at_rest<S>(used, {S(0.1), S(0.1), S(0.1)}, 50);
   Measurement<S> y;
   y.h_w = VecN<S>::Zero(3);
@@ -214,7 +214,7 @@ TYPED_TEST(MixedLearning_, StartForgetsAndAColdStartBeginsAtZeroRate) {
   y.omega_BN_B *= S(1.1);
   EXPECT_EQ(used.step(y, last).d_B, fresh.step(y, last).d_B);
   p.start = Observer<S>::Start::zero;
-  Observer<S> cold(setup, p);
+  Observer<S> cold(unchecked, setup, p);
   const Vec3<S> first = p.sigma2 * p.K2 * y.omega_BN_B;
   EXPECT_LT((cold.start(y).d_B - first).norm(), S(1e-6) * first.norm());
 }
@@ -222,14 +222,14 @@ TYPED_TEST(MixedLearning_, StartForgetsAndAColdStartBeginsAtZeroRate) {
 TYPED_TEST(MixedLearning_, CheckRefusesADivergingLoopWithItsRadius) {
   using S = TypeParam;
   const Setup<S> setup = cube<S>();
-  typename Observer<S>::Params p = Observer<S>::Params::defaults(setup);
+  typename Observer<S>::Params p(setup);
   EXPECT_TRUE(Observer<S>::check(setup, p).ok());
   p.K1 *= S(200);
   const Status<S> status = Observer<S>::check(setup, p);
   EXPECT_EQ(status.code, Status<S>::Code::unstable);
   EXPECT_GT(status.value, S(1.5));
   EXPECT_EQ(status.limit, S(1));
-  p = Observer<S>::Params::defaults(setup);
+  p = typename Observer<S>::Params(setup);
   p.theta1 = S(1);
   p.width = S(1e-4);  // slope 1e4 N m s, far beyond 2 J / dt
   EXPECT_FALSE(Observer<S>::check(setup, p).ok());
@@ -240,7 +240,7 @@ TEST(MixedLearning, DefaultsAreStableOnVehiclesOfEverySize) {
     for (const double dt : {1e-3, 0.01, 0.1}) {
       const Mat3<double> J = scale * Vec3<double>(20, 3, 19).asDiagonal().toDenseMatrix();
       const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), infinity, dt);
-      const auto p = Observer<double>::Params::defaults(setup);
+      const Observer<double>::Params p(setup);
       const Status<double> status = Observer<double>::check(setup, p);
       EXPECT_TRUE(status.ok()) << scale << " " << dt << " " << status.value;
       // the conditions of the theorem, in the unit of rate in which (11) holds with equality
@@ -258,9 +258,9 @@ TYPED_TEST(MixedLearning_, FollowsARelabellingAndReflectionOfTheAxes) {
   const auto setup = cube<S>();
   auto turned = setup;
   turned.vehicle.J_B = R * setup.vehicle.J_B * R.transpose();
-  auto p = Observer<S>::Params::defaults(setup), q = Observer<S>::Params::defaults(turned);
+  auto p = typename Observer<S>::Params(setup), q = typename Observer<S>::Params(turned);
   p.theta1 = q.theta1 = S(0.003);
-  Observer<S> one(setup, p), other(turned, q);
+  Observer<S> one(unchecked, setup, p), other(unchecked, turned, q);
   Random random(4);
   Measurement<S> y, z;
   y.h_w = z.h_w = VecN<S>::Zero(3);

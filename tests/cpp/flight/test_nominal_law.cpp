@@ -20,7 +20,9 @@ using Stack = FlightStack<Passthrough<S>, NoDetector<S>, FiniteTime<S>, PseudoIn
 
 template <class S>
 Stack<S> nominal_stack(const gyrostat::Setup<S>& s, const typename NominalLaw<S>::Params& p) {
-  return {s, Passthrough<S>(s), NoDetector<S>(s), {s, p}, {s, {}}};
+  typename Stack<S>::Params all(s);
+  all.controller = p;
+  return Stack<S>(unchecked, s, all);
 }
 
 gyrostat::Setup<double> unlimited(double dt) { return li2018::setup(std::numeric_limits<double>::infinity(), dt); }
@@ -38,7 +40,7 @@ Demand<double> ask(FiniteTime<double>& law, const Quat<double>& q, const Vec3<do
 
 TEST(NominalLaw, IsThePublishedFormulaWrittenOut) {
   const auto setup = unlimited(0.001);
-  FiniteTime<double> law(setup, li2018::controller<double>().nominal);
+  FiniteTime<double> law(unchecked, setup, li2018::controller<double>().nominal);
   Random random(11);
   for (int trial = 0; trial < 100; ++trial) {
     const Vec3<double> rho = 0.5 * random.vector<double>(1), omega = random.vector<double>(1.5);
@@ -58,12 +60,12 @@ TEST(NominalLaw, IsThePublishedFormulaWrittenOut) {
 }
 
 TEST(NominalLaw, AsksForNothingAtRestOnTarget) {
-  FiniteTime<double> law(unlimited(0.001), li2018::controller<double>().nominal);
+  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   EXPECT_EQ(ask(law, Quat<double>::Identity(), Vec3<double>::Zero()).tau_B.norm(), 0);
 }
 
 TEST(NominalLaw, BothSignsOfTheQuaternionAreOneAttitude) {
-  FiniteTime<double> law(unlimited(0.001), li2018::controller<double>().nominal);
+  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   Random random(12);
   for (int trial = 0; trial < 50; ++trial) {
     const Quat<double> q = random.attitude<double>();
@@ -73,7 +75,7 @@ TEST(NominalLaw, BothSignsOfTheQuaternionAreOneAttitude) {
 }
 
 TEST(NominalLaw, FiniteTimeSubtractsTheEstimatedTorque) {
-  FiniteTime<double> law(unlimited(0.001), li2018::controller<double>().nominal);
+  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   const Vec3<double> d_B{0.01, -0.02, 0.03};
   EXPECT_EQ(ask(law, Quat<double>::Identity(), Vec3<double>::Zero(), d_B).tau_B, Vec3<double>(-d_B));
 }
@@ -111,7 +113,7 @@ TEST(NominalLaw, SettlesAsMeasuredInTheStudy) {
 
 TEST(NominalLaw, FollowsAnAcceleratingReference) {
   const auto setup = unlimited(0.01);
-  auto stack = nominal_stack<double>(setup, NominalLaw<double>::Params::defaults(ftc_4rw<double>()));
+  auto stack = nominal_stack<double>(setup, NominalLaw<double>::Params(ftc_4rw<double>()));
   Body body(setup.vehicle);
   Reference<double> ref;
   const Vec3<double> axis = Vec3<double>(1, -2, 2) / 3;
@@ -132,7 +134,7 @@ TEST(NominalLaw, FollowsAnAcceleratingReference) {
 
 TEST(NominalLaw, DefaultsAskForTheAuthorityAtFortyFiveDegrees) {
   const auto setup = ftc_4rw<double>();
-  FiniteTime<double> law(setup, default_params<FiniteTime<double>>(setup));
+  auto law = by_default<FiniteTime<double>>(setup);
   const Quat<double> q = quat_exp<double>({0, 0, 3.14159265358979323846 / 4});
   EXPECT_NEAR(ask(law, q, Vec3<double>::Zero()).tau_B.norm(), torque_authority(setup.vehicle), 1e-12);
 }

@@ -87,7 +87,11 @@ TEST(Tracking, LeavesThePlantAtRestOfTheRateError) {
 TEST(Tracking, IsWhatAProportionalLawAddsToItsError) {
   Random random(3);
   const Motion m(random);
-  MrpFeedback<double> law(m.setup, {2, 7, false, 1});
+  MrpFeedback<double>::Params p(m.setup);
+  p.K = 2;
+  p.P = 7;
+  p.compensate = false;
+  MrpFeedback<double> law(unchecked, m.setup, p);
   const Tracking<double> t = track(m.setup.vehicle, m.x, m.ref);
   const Vec3<double> expected = t.feedforward_B - 2 * t.sigma_BR - 7 * t.omega_BR_B;
   EXPECT_GT(t.feedforward_B.norm(), 0.1);

@@ -21,7 +21,7 @@ Setup<double> satellite() {
 }
 
 PredefinedTime<double>::Params table1() {
-  PredefinedTime<double>::Params p;
+  PredefinedTime<double>::Params p(satellite());
   p.h1 = 0.5;
   p.T1 = p.T2 = 10;
   p.h2 = 0.3;
@@ -54,7 +54,7 @@ void asks_for_nothing_on_target(const Setup<typename Law::Scalar>& setup, const 
     for (const auto direction : {SwitchingDirection::surface, SwitchingDirection::matched}) {
       p.phi = phi;
       p.direction = direction;
-      Law law(setup, p);
+      Law law(unchecked, setup, p);
       const Detection<S> det = Detection<S>::none(setup.vehicle);
       EXPECT_EQ(law.start(at<S>(Quat<S>::Identity(), Vec3<S>::Zero(), setup.vehicle.actuators()), det, {}).tau_B,
                 Vec3<S>(Vec3<S>::Zero()));
@@ -69,9 +69,9 @@ void asks_for_nothing_on_target(const Setup<typename Law::Scalar>& setup, const 
 TYPED_TEST(PredefinedTimeLaw, AsksForNothingOnTargetAndIsFiniteThere) {
   using S = TypeParam;
   const Setup<S> setup = ftc_4rw<S>();
-  auto p = PredefinedTime<S>::Params::defaults(setup);
+  typename PredefinedTime<S>::Params p(setup);
   asks_for_nothing_on_target<PredefinedTime<S>>(setup, p);
-  asks_for_nothing_on_target<TerminalSlidingMode<S>>(setup, TerminalSlidingMode<S>::Params::defaults(setup));
+  asks_for_nothing_on_target<TerminalSlidingMode<S>>(setup, typename TerminalSlidingMode<S>::Params(setup));
   p.h1 = S(0.5);
   p.floor1 = p.floor2 = S(1e-30);  // as printed
   asks_for_nothing_on_target<PredefinedTime<S>>(setup, p);
@@ -86,12 +86,12 @@ TEST(PredefinedTimeDouble, TheSlidingVariableFollowsTheLemmaOnTheNominalPlant) {
   const Detection<double> det = Detection<double>::none(setup.vehicle);
   Random random(5);
   for (int trial = 0; trial < 200; ++trial) {
-    PredefinedTime<double> law(setup, p);
+    PredefinedTime<double> law(unchecked, setup, p);
     const Quat<double> q = random.attitude<double>();
     const Vec3<double> w = random.vector<double>(0.5);
     if (mrp(short_way(q)).squaredNorm() / 2 < 4 * p.floor1) continue;
     const auto s_of = [&](const Quat<double>& attitude, const Vec3<double>& rate) {
-      PredefinedTime<double> probe(setup, p);
+      PredefinedTime<double> probe(unchecked, setup, p);
       (void)probe.start(at<double>(attitude, rate, 3), det, {});
       const auto values = telemetry_of(probe).at("s");
       return Vec3<double>(values[0], values[1], values[2]);
@@ -198,10 +198,10 @@ void flies_the_long_way_when_told() {
   const auto setup = satellite();
   const Detection<double> det = Detection<double>::none(setup.vehicle);
   const Estimate<double> x = at<double>(turned(4.0), Vec3<double>::Zero(), 3);  // 229 deg
-  auto p = default_params<Law>(setup);
-  Law short_law(setup, p);
+  typename Law::Params p(setup);
+  Law short_law(unchecked, setup, p);
   p.shadow_switch = std::numeric_limits<double>::infinity();
-  Law long_law(setup, p);
+  Law long_law(unchecked, setup, p);
   EXPECT_GT(short_law.start(x, det, {}).tau_B[0], 0);
   EXPECT_LT(long_law.start(x, det, {}).tau_B[0], 0);
 }
@@ -219,9 +219,9 @@ template <class Law>
 void chooses_anew_at_a_start() {
   const auto setup = satellite();
   const Detection<double> det = Detection<double>::none(setup.vehicle);
-  auto p = default_params<Law>(setup);
+  typename Law::Params p(setup);
   p.shadow_switch = 2;
-  Law law(setup, p), fresh = law;
+  Law law(unchecked, setup, p), fresh = law;
   const auto beyond = at<double>(turned(3.6), Vec3<double>::Zero(), 3);  // 206 deg: |sigma| = 1.25
   (void)law.start(at<double>(turned(3.0), Vec3<double>::Zero(), 3), det, {});
   EXPECT_LT(law.step(beyond, det, {}, Allocation<double>::idle(3)).tau_B[0], 0) << "goes on with its set";
@@ -247,11 +247,11 @@ void switches_along_what_it_is_told(const typename Law::Params& params) {
   for (int trial = 0; trial < 40; ++trial) {
     auto p = params;
     p.k_s = 0;
-    Law without(setup, p);
+    Law without(unchecked, setup, p);
     p.k_s = 3;
     p.phi = trial % 2 == 0 ? 0.0 : 0.2;
     p.direction = trial % 4 < 2 ? SwitchingDirection::surface : SwitchingDirection::matched;
-    Law with(setup, p);
+    Law with(unchecked, setup, p);
     Estimate<double> x = at<double>(random.attitude<double>(), random.vector<double>(0.3), 3);
     x.d_B = random.vector<double>(1);
     const Vec3<double> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;
@@ -280,7 +280,7 @@ Vec3<double> s_ahead(const typename Law::Params& p, const Quat<double>& q, const
   const auto setup = satellite();
   const Mat3<double>& J = setup.vehicle.J_B;
   const Vec3<double> wdot = J.inverse() * (tau_B - w.cross(J * w));
-  Law probe(setup, p);
+  Law probe(unchecked, setup, p);
   const Quat<double> later = q * quat_exp<double>(Vec3<double>(t * (w + t / 2 * wdot)));
   (void)probe.start(at<double>(later, w + t * wdot, 3), {}, {});
   const std::vector<double> s = telemetry_of(probe).at("s");
@@ -298,7 +298,7 @@ TEST(PredefinedTimeDouble, BothTimesAndPowersStandWhereTheyBelong) {
     const Vec3<double> w = random.vector<double>(0.5);
     const Vec3<double> sigma = mrp(short_way(q)), sigma_rate = mrp_rate_matrix(sigma) * w;
     if (sigma.squaredNorm() / 2 < 4 * p.floor1) continue;
-    PredefinedTime<double> law(satellite(), p);
+    PredefinedTime<double> law(unchecked, satellite(), p);
     const Vec3<double> tau_B = law.start(at<double>(q, w, 3), {}, {}).tau_B;
     const Vec3<double> s = s_ahead<PredefinedTime<double>>(p, q, w, tau_B, 0);
     const double V1 = sigma.squaredNorm() / 2, V2 = s.squaredNorm() / 2;
@@ -314,8 +314,11 @@ TEST(PredefinedTimeDouble, BothTimesAndPowersStandWhereTheyBelong) {
 }
 
 TEST(TerminalSlidingModeDouble, ReachesItsSurfaceAsItSays) {
-  TerminalSlidingMode<double>::Params p;
+  TerminalSlidingMode<double>::Params p(satellite());
   p.k_s = 0;
+  p.a = 0.6;
+  p.b = 0.3;
+  p.eta = 0.01;
   p.k1 = 0.8;
   p.k2 = 0.3;
   p.g2 = 0.7;
@@ -325,7 +328,7 @@ TEST(TerminalSlidingModeDouble, ReachesItsSurfaceAsItSays) {
     const Vec3<double> w = random.vector<double>(0.5);
     const Vec3<double> sigma = mrp(short_way(q)), sigma_rate = mrp_rate_matrix(sigma) * w;
     if (sigma.cwiseAbs().minCoeff() < 3 * p.eta || sigma.norm() > 0.95) continue;  // curvature of the core, other set
-    TerminalSlidingMode<double> law(satellite(), p);
+    TerminalSlidingMode<double> law(unchecked, satellite(), p);
     const Vec3<double> tau_B = law.start(at<double>(q, w, 3), {}, {}).tau_B;
     const Vec3<double> s = s_ahead<TerminalSlidingMode<double>>(p, q, w, tau_B, 0);
     const double h = 1e-6;
@@ -343,7 +346,7 @@ TEST(TerminalSlidingModeDouble, ReachesItsSurfaceAsItSays) {
 
 TEST(PredefinedTimeDouble, CountsTheSlopeOfItsLayerForStability) {
   const auto setup = satellite();
-  auto p = PredefinedTime<double>::Params::defaults(setup);
+  PredefinedTime<double>::Params p(setup);
   // k_s / (4 J phi) dt = 2 about the smallest inertia, 17, at phi = 3.68e-4 for k_s = 5
   p.k_s = 5;
   p.phi = 3e-4;

@@ -24,12 +24,22 @@ Demand<double> ask(Law law, const Vec3<double>& sigma, const Vec3<double>& omega
 
 template <class Law>
 auto stack_of(const gyrostat::Setup<double>& s, const typename Law::Params& p) {
-  return FlightStack<Passthrough<double>, NoDetector<double>, Law, PseudoInverse<double>>(
-      s, Passthrough<double>(s), NoDetector<double>(s), {s, p}, {s, {}});
+  using Stack = FlightStack<Passthrough<double>, NoDetector<double>, Law, PseudoInverse<double>>;
+  typename Stack::Params all(s);
+  all.controller = p;
+  return Stack(unchecked, s, all);
+}
+
+MrpFeedback<double>::Params uncompensated(double K, double P) {
+  MrpFeedback<double>::Params p(ftc_4rw<double>());
+  p.K = K;
+  p.P = P;
+  p.compensate = false;
+  return p;
 }
 
 TEST(MrpFeedback, IsItsFormula) {
-  const MrpFeedback<double> law(ftc_4rw<double>(), {2, 7, false});
+  const MrpFeedback<double> law(unchecked, ftc_4rw<double>(), uncompensated(2, 7));
   const Vec3<double> sigma{0.1, -0.2, 0.3}, omega{0.01, 0.02, -0.03};
   EXPECT_LT((ask(law, sigma, omega).tau_B - (-2 * sigma - 7 * omega)).norm(), 1e-15);
   const Vec3<double> long_way = mrp_shadow(sigma);  // |sigma| > 1: the law takes the short way
@@ -38,7 +48,7 @@ TEST(MrpFeedback, IsItsFormula) {
 
 TEST(SaturatedPd, IsItsFormulaAndKeepsItsBound) {
   const auto p = li2018::saturated_pd<double>();
-  const SaturatedPd<double> law(ftc_4rw<double>(), p);
+  const SaturatedPd<double> law(unchecked, ftc_4rw<double>(), p);
   Random random(31);
   for (int trial = 0; trial < 200; ++trial) {
     const Vec3<double> sigma = 0.57 * random.vector<double>(1), omega = random.vector<double>(3);
@@ -56,13 +66,13 @@ TEST(SaturatedPd, IsItsFormulaAndKeepsItsBound) {
 TEST(ProportionalLaws, TheEstimateIsSubtractedUnlessCompensateIsOff) {
   const auto setup = ftc_4rw<double>();
   const Vec3<double> zero = Vec3<double>::Zero(), d_B{0.01, -0.02, 0.03};
-  auto mrp_params = default_params<MrpFeedback<double>>(setup);
-  auto pd_params = default_params<SaturatedPd<double>>(setup);
-  EXPECT_EQ(ask(MrpFeedback<double>(setup, mrp_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
-  EXPECT_EQ(ask(SaturatedPd<double>(setup, pd_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
+  MrpFeedback<double>::Params mrp_params(setup);
+  SaturatedPd<double>::Params pd_params(setup);
+  EXPECT_EQ(ask(MrpFeedback<double>(unchecked, setup, mrp_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
+  EXPECT_EQ(ask(SaturatedPd<double>(unchecked, setup, pd_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
   mrp_params.compensate = pd_params.compensate = false;
-  EXPECT_EQ(ask(MrpFeedback<double>(setup, mrp_params), zero, zero, d_B).tau_B, zero);
-  EXPECT_EQ(ask(SaturatedPd<double>(setup, pd_params), zero, zero, d_B).tau_B, zero);
+  EXPECT_EQ(ask(MrpFeedback<double>(unchecked, setup, mrp_params), zero, zero, d_B).tau_B, zero);
+  EXPECT_EQ(ask(SaturatedPd<double>(unchecked, setup, pd_params), zero, zero, d_B).tau_B, zero);
 }
 
 /// Largest growth from sample to sample of V = w'Jw/2 + 2 k ln(1 + sigma'sigma), without disturbance and limits.
@@ -86,14 +96,14 @@ double growth_of_energy(const typename Law::Params& p, double k) {
 
 TEST(ProportionalLaws, LyapunovFunctionsDoNotGrow) {
   // The hold alone lets V grow, when the rate is zero, by a few h^2 of J |acceleration|^2 = 1e-8.
-  EXPECT_LT(growth_of_energy<MrpFeedback<double>>({1.2, 5, false}, 1.2), 1e-8);
-  const auto p = default_params<SaturatedPd<double>>(ftc_4rw<double>());
+  EXPECT_LT(growth_of_energy<MrpFeedback<double>>(uncompensated(1.2, 5), 1.2), 1e-8);
+  const SaturatedPd<double>::Params p(ftc_4rw<double>());
   EXPECT_LT(growth_of_energy<SaturatedPd<double>>(p, p.kp), 1e-8);
 }
 
 TEST(MrpFeedback, ConstantDisturbanceLeavesTheOffsetOfItsPage) {
   const auto setup = ftc_4rw<double>();
-  const auto p = default_params<MrpFeedback<double>>(setup);
+  const MrpFeedback<double>::Params p(setup);
   auto stack = stack_of<MrpFeedback<double>>(setup, p);
   Body body(setup.vehicle);
   body.d_B = {1e-3, -2e-3, 1.5e-3};
@@ -105,7 +115,7 @@ TEST(MrpFeedback, ConstantDisturbanceLeavesTheOffsetOfItsPage) {
 
 TEST(OpenLoop, IssuesItsCommandWhateverHappens) {
   const auto setup = ftc_4rw<double>();
-  OpenLoop<double>::Params p = default_params<OpenLoop<double>>(setup);
+  OpenLoop<double>::Params p(setup);
   EXPECT_EQ(p.command, VecN<double>::Zero(4));
   p.command << 0.05, -0.01, 0.02, 0.3;
   auto stack = stack_of<OpenLoop<double>>(setup, p);
@@ -119,7 +129,7 @@ TEST(OpenLoop, IssuesItsCommandWhateverHappens) {
 
 TEST(OpenLoopCheck, RefusesAnotherNumberOfActuators) {
   const auto setup = ftc_4rw<double>();
-  OpenLoop<double>::Params p;
+  OpenLoop<double>::Params p(setup);
   p.command = VecN<double>::Zero(3);
   EXPECT_FALSE(OpenLoop<double>::check(setup, p).ok());
   EXPECT_EQ(OpenLoop<double>::check(setup, p).value, 3);
@@ -127,14 +137,14 @@ TEST(OpenLoopCheck, RefusesAnotherNumberOfActuators) {
 
 TEST(ProportionalLawsCheck, RefuseADampingThatTheSampleCannotCarry) {
   auto setup = ftc_4rw<double>();
-  EXPECT_EQ(MrpFeedback<double>::check(setup, {1, 3000, false}).code, Status<double>::Code::unstable);
-  EXPECT_TRUE(MrpFeedback<double>::check(setup, {1, 5, false}).ok());
+  EXPECT_EQ(MrpFeedback<double>::check(setup, uncompensated(1, 3000)).code, Status<double>::Code::unstable);
+  EXPECT_TRUE(MrpFeedback<double>::check(setup, uncompensated(1, 5)).ok());
   auto p = li2018::saturated_pd<double>();
   EXPECT_TRUE(SaturatedPd<double>::check(setup, p).ok());
   p.kd = 3000;
   EXPECT_EQ(SaturatedPd<double>::check(setup, p).code, Status<double>::Code::unstable);
   setup.vehicle.coordinates = Coordinates::euler_angles;
-  EXPECT_EQ(MrpFeedback<double>::check(setup, {1, 5, false}).code, Status<double>::Code::wrong_chart);
+  EXPECT_EQ(MrpFeedback<double>::check(setup, uncompensated(1, 5)).code, Status<double>::Code::wrong_chart);
   EXPECT_EQ(SaturatedPd<double>::check(setup, li2018::saturated_pd<double>()).code, Status<double>::Code::wrong_chart);
 }
 

@@ -24,7 +24,8 @@ gyrostat::Setup<double> pairs() {
 
 /// Persistence of two samples, hold-off of five, all of them watched from 0.02 N m on.
 Detector::Params quick() {
-  Detector::Params p;
+  Detector::Params p(pairs());
+  p.unwatched = {};
   p.persistence = 0.02;
   p.hold_off = 0.05;
   p.settle = 0;
@@ -63,7 +64,7 @@ int samples_to_next(Detector& detector, const Estimate<double>& x, Detection<dou
 }
 
 TEST(Threshold, DeclaresEachActuatorOnceAndRemembersThemAll) {
-  Detector detector(pairs(), quick());
+  Detector detector(unchecked, pairs(), quick());
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(det.enabled.bits(), 0b011111) << "the spare is off";
   EXPECT_EQ(samples_to_next(detector, estimate({0.7, 1, 1, 1, 1, 1}), det), 2);
@@ -77,7 +78,7 @@ TEST(Threshold, DeclaresEachActuatorOnceAndRemembersThemAll) {
 }
 
 TEST(Threshold, GettingBetterIsAChangeToo) {
-  Detector detector(pairs(), quick());
+  Detector detector(unchecked, pairs(), quick());
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(samples_to_next(detector, estimate({0.5, 1, 1, 1, 1, 1}), det), 2);
   EXPECT_EQ(samples_to_next(detector, healthy, det), 5 + 2) << "after the hold-off";
@@ -86,7 +87,7 @@ TEST(Threshold, GettingBetterIsAChangeToo) {
 
 TEST(Threshold, OnlyAnEffectivenessBelowTheLimitCountsAsFailed) {
   for (const double e : {0.0599, 0.0601, 0.5}) {
-    Detector detector(pairs(), quick());
+    Detector detector(unchecked, pairs(), quick());
     Detection<double> det = detector.start(healthy);
     EXPECT_EQ(samples_to_next(detector, estimate({1, 1, 1, 1, e, 1}), det), 2);
     EXPECT_EQ(det.failed.bits(), e < 0.06 ? 0b010000 : 0) << e;
@@ -97,7 +98,7 @@ TEST(Threshold, OnlyAnEffectivenessBelowTheLimitCountsAsFailed) {
 TEST(Threshold, AnActuatorThatIsNotWatchedIsNeverDeclaredNorBlamedForATorque) {
   Detector::Params p = quick();
   p.unwatched.set(1);
-  Detector detector(pairs(), p);
+  Detector detector(unchecked, pairs(), p);
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(samples_to_next(detector, estimate({1, 0.1, 1, 1, 1, 1}), det), 0);
   Estimate<double> torque = healthy;
@@ -112,7 +113,7 @@ TEST(Threshold, AnActuatorThatIsNotWatchedIsNeverDeclaredNorBlamedForATorque) {
 TEST(Threshold, ALumpedTorqueIsMappedOnlyWhereThatIsAskedFor) {
   Detector::Params p = quick();
   p.use_torque = false;
-  Detector detector(pairs(), p);
+  Detector detector(unchecked, pairs(), p);
   Detection<double> det = detector.start(healthy);
   Estimate<double> x = healthy;
   x.d_B = {-0.15, 0, 0};
@@ -123,7 +124,7 @@ TEST(Threshold, HoldOffAndPersistenceAreCountedToTheSample) {
   Detector::Params p = quick();
   p.persistence = 0.29;  // 0.29 / 0.01 is below 29 in binary
   p.hold_off = 0.57;
-  Detector detector(pairs(), p);
+  Detector detector(unchecked, pairs(), p);
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(samples_to_next(detector, estimate({0.7, 1, 1, 1, 1, 1}), det), 29);
   EXPECT_EQ(samples_to_next(detector, estimate({0.4, 1, 1, 1, 1, 1}), det), 57 + 29);
@@ -133,7 +134,7 @@ TEST(Threshold, TheReferenceFollowsAnEstimateThatStillSettlesAndNoLonger) {
   for (const int late : {2, 3}) {  // the sample of the hold-off at which the estimate arrives
     Detector::Params p = quick();
     p.settle = 0.02;
-    Detector detector(pairs(), p);
+    Detector detector(unchecked, pairs(), p);
     Detection<double> det = detector.start(healthy);
     ASSERT_EQ(samples_to_next(detector, estimate({0.7, 1, 1, 1, 1, 1}), det), 2);
     for (int k = 1; k < late; ++k) det = detector.step(estimate({0.7, 1, 1, 1, 1, 1}), all_push);
@@ -145,7 +146,7 @@ TEST(Threshold, TheReferenceFollowsAnEstimateThatStillSettlesAndNoLonger) {
 TEST(Threshold, AGapOfOneSampleBeginsThePersistenceAnew) {
   Detector::Params p = quick();
   p.persistence = 0.03;
-  Detector detector(pairs(), p);
+  Detector detector(unchecked, pairs(), p);
   const Estimate<double> weak = estimate({1, 1, 1, 0.5, 1, 1});
   Detection<double> det = detector.start(healthy);
   for (int k = 0; k < 60; ++k) det = detector.step(k % 3 == 2 ? healthy : weak, all_push);
@@ -157,7 +158,7 @@ TEST(Threshold, TheProbeIsASineThatVisitsTheActuatorsInTurn) {
   Detector::Params p = quick();
   p.dither = 0.1;
   p.dither_period = 0.12;
-  Detector detector(pairs(), p);
+  Detector detector(unchecked, pairs(), p);
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(det.enabled, Mask::all(6)) << "a probe takes all of the redundancy";
   for (int restart = 0; restart < 2; ++restart) {
@@ -175,12 +176,12 @@ TEST(Threshold, TheProbeIsASineThatVisitsTheActuatorsInTurn) {
 
 TEST(ThresholdCheck, RefusesAProbeThatFillsTheLimitsOrIsTooFast) {
   const gyrostat::Setup<double> setup = pairs();
-  Detector::Params p = default_params<Detector>(setup);
+  Detector::Params p(setup);
   EXPECT_EQ(p.unwatched, setup.vehicle.spare);
   EXPECT_TRUE(Detector::check(setup, p).ok());
   p.settle = p.hold_off * 1.01;
   EXPECT_EQ(std::string(Detector::check(setup, p).quantity), "settle");
-  p = default_params<Detector>(setup);
+  p = Detector::Params(setup);
   p.dither = 0.2;
   EXPECT_EQ(std::string(Detector::check(setup, p).quantity), "dither");
   p.dither = 0.199;

@@ -35,18 +35,30 @@ Setup<double> paper_setup() {
   return setup;
 }
 
-/// The published numbers are the members' defaults, but for what scales with the vehicle.
+Observer::Params published_observer() {
+  Observer::Params p(paper_setup());
+  p.k1_0 = 14, p.k1_max = 40, p.mu1 = 1e6;
+  p.k4_0 = 0.49, p.k4_max = 4, p.mu4 = 1.35e5;
+  p.deadzone = 7e-5, p.leak = 3;
+  p.k2_0 = 2e-4, p.k2_max = 2e-3, p.mu2 = 1, p.chi = p.layer = 1e-4, p.gamma = 1e-3;
+  p.u_gate = 0.05, p.u_reg = 0.02;
+  return p;
+}
+
+Detector::Params published_detector() {
+  Detector::Params p(paper_setup());
+  p.persistence = 0.2, p.hold_off = 4, p.settle = 0, p.u_gate = 0.05;
+  return p;
+}
+
 template <class Controller>
 auto stack_with(const typename Controller::Params& law) {
-  const gyrostat::Setup<double> setup = paper_setup();
-  Observer::Params o;
-  o.frozen.set(3);
-  Detector::Params d;
-  d.unwatched.set(3);
-  d.settle = 0;
-  using Allocator = PseudoInverse<double>;
-  return FlightStack<Observer, Detector, Controller, Allocator>(setup, Observer(setup, o), Detector(setup, d),
-                                                                Controller(setup, law), Allocator(setup, {}));
+  using Stack = FlightStack<Observer, Detector, Controller, PseudoInverse<double>>;
+  typename Stack::Params p(paper_setup());
+  p.observer = published_observer();
+  p.detector = published_detector();
+  p.controller = law;
+  return Stack(unchecked, paper_setup(), p);
 }
 
 Measurement<double> recorded(const Golden& golden, std::size_t k) {
@@ -85,8 +97,15 @@ Reference<double> slew(std::size_t) {
 }
 
 PrescribedPerformance<double>::Params funnel() {
-  PrescribedPerformance<double>::Params p;
-  p.z_max = 0.99;
+  PrescribedPerformance<double>::Params p(paper_setup());
+  p.b1 = 0.015, p.b2 = 0.005, p.b3 = 40, p.b4 = 0.05, p.s_core = 1e-3;
+  p.rho_inf = 0.005, p.tf_min = 8, p.z_max = 0.99;
+  return p;
+}
+
+FastTerminalSlidingMode<double>::Params terminal() {
+  FastTerminalSlidingMode<double>::Params p(paper_setup());
+  p.b1 = 0.2, p.b2 = 0.01, p.b3 = 40, p.b4 = 0.05, p.s_core = 1e-3;
   return p;
 }
 
@@ -95,7 +114,7 @@ TEST(Yang2023Golden, AdaptiveFunnel) {
 }
 
 TEST(Yang2023Golden, FastTerminalSlidingMode) {
-  expect_rows("yang2023_ftsmc_noise_free.csv", stack_with<FastTerminalSlidingMode<double>>({}), slew);
+  expect_rows("yang2023_ftsmc_noise_free.csv", stack_with<FastTerminalSlidingMode<double>>(terminal()), slew);
 }
 
 TEST(Yang2023Golden, MovingReference) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  Vehicles that the flight tests fly.
+/// @file  Vehicles that the flight tests fly, and components with default parameters.
 #pragma once
 #include <cmath>
 #include <limits>
@@ -35,6 +35,12 @@ Mat3<S> satellite_inertia() {
   Mat3<S> J;
   J << S(20), S(0), S(0.9), S(0), S(17), S(0), S(0.9), S(0), S(15);
   return J;
+}
+
+/// A component or a stack with its default parameters, whatever its `check` says of them.
+template <class T>
+T by_default(const Setup<typename T::Scalar>& setup) {
+  return T(unchecked, setup, typename T::Params(setup));
 }
 
 /// The library's reference vehicle: 100 Hz, 0.2 N m a wheel.

@@ -76,11 +76,10 @@ TEST(ClosedLoop, IsTheSameForAStaticStack) {
     EXPECT_EQ(fly(plant, sensors, reference, stack, 3000).code, RunEnd::Code::completed);
     return plant.omega_BN_B();
   };
-  FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>> fixed(
-      a.setup, Passthrough<double>(a.setup), NoDetector<double>(a.setup, {}),
-      MrpFeedback<double>(
-          a.setup, read_params(default_params<MrpFeedback<double>>(a.setup), a.controller.params, Place{"here", 4})),
-      PseudoInverse<double>(a.setup, default_params<PseudoInverse<double>>(a.setup)));
+  using Fixed = FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>;
+  Fixed::Params p(a.setup);
+  p.controller = read_params(p.controller, a.controller.params, Place{"here", 4});
+  Fixed fixed(unchecked, a.setup, p);
   Stack erased = make_stack(a, {});
   EXPECT_EQ(end_of(fixed), end_of(erased));
 }

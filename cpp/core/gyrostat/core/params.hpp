@@ -2,18 +2,22 @@
 /// @file  How a component describes and checks its parameters: default, unit, range and meaning are written once.
 ///
 ///     struct Params {
-///       S gain = S(2);
+///       S gain;
+///       explicit Params(const Setup<S>& setup) noexcept : gain(S(0.1) / setup.dt) {}
 ///       static constexpr void describe(auto& p, auto&& field) {
 ///         field(p.gain, Field{"gain", "1/s", 0, 1e2, "rate of the correction"});
 ///       }
 ///     };
 ///
+/// Parameters come from a Setup and from nothing else: the constructor holds the defaults for the vehicle and the period. A
+/// member has an initialiser where its default is the same on every vehicle.
 /// `describe` calls `field` once a parameter, with the member and a Field (numbers, vectors, matrices; the range holds
-/// for every element) or a Choice (an enum; the options in the order of its values) or a Switch (a bool). Defaults that
-/// depend on the vehicle are written in `static Params defaults(const Setup<S>&)`.
+/// for every element) or a Choice (an enum; the options in the order of its values) or a Switch (a bool).
 #pragma once
+#include <concepts>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "gyrostat/core/signals.hpp"
 
@@ -62,25 +66,21 @@ struct Status {
   const char* relation = "<";  ///< the relation that ought to hold between value and limit
 
   constexpr bool ok() const noexcept { return code == Code::ok; }
+  /// Also what would diverge, where the caller wants it so.
+  constexpr bool ok(bool allow_unstable) const noexcept { return ok() || (allow_unstable && code == Code::unstable); }
 
   /// ok when `holds`; else a refusal that says "quantity = value, must be relation limit".
   static constexpr Status require(bool holds, const char* quantity, S value, S limit, const char* relation = "<",
                                   Code code = Code::refused) noexcept {
     return holds ? Status{} : Status{code, quantity, value, limit, relation};
   }
-  /// Both must hold; the first that does not is reported.
-  constexpr Status operator&&(const Status& next) const noexcept { return ok() ? next : *this; }
+  /// Both must hold; the first that does not is reported, what cannot work before what would diverge.
+  constexpr Status operator&&(const Status& next) const noexcept { return ok(!next.ok(true)) ? next : *this; }
 };
 
-/// Default parameters of a component for a vehicle.
-template <class Component, class S>
-typename Component::Params default_params(const Setup<S>& setup) noexcept {
-  if constexpr (requires { Component::Params::defaults(setup); }) {
-    return Component::Params::defaults(setup);
-  } else {
-    return typename Component::Params{};
-  }
-}
+/// Parameters that are made from a Setup: `Params{}` does not compile.
+template <class P, class S>
+concept ParamsOf = std::constructible_from<P, const Setup<S>&> && !std::default_initializable<P>;
 
 /// What a component says of parameters; ok where it has nothing to check.
 template <class Component, class S>
@@ -91,6 +91,55 @@ Status<S> component_check(const Setup<S>& setup, const typename Component::Param
     return {};
   }
 }
+
+/// First argument of the constructors of components: the caller answers for parameters that nobody has checked.
+struct Unchecked {
+  explicit constexpr Unchecked() noexcept = default;
+};
+inline constexpr Unchecked unchecked{};
+
+/// A flight component or a whole stack: parameters from a Setup, and a constructor that says that it does not check.
+template <class T>
+concept Checkable =
+    ParamsOf<typename T::Params, typename T::Scalar> &&
+    std::constructible_from<T, Unchecked, const Setup<typename T::Scalar>&, const typename T::Params&> &&
+    !std::constructible_from<T, const Setup<typename T::Scalar>&, const typename T::Params&>;
+
+/// A component or a stack whose parameters its `check` has taken, or else the refusal.
+///
+///     typename Law::Params p(setup);
+///     p.gain = S(2);
+///     Checked<Law> law(setup, p);
+///     if (!law) return report(law.status());
+template <Checkable T>
+class Checked {
+ public:
+  using Scalar = typename T::Scalar;
+
+  /// @param allow_unstable  take parameters that would diverge as well
+  Checked(const Setup<Scalar>& setup, const typename T::Params& params, bool allow_unstable = false) noexcept
+      : status_(component_check<T>(setup, params)) {
+    if (status_.ok(allow_unstable)) made_.emplace(unchecked, setup, params);
+  }
+  /// With default parameters.
+  explicit Checked(const Setup<Scalar>& setup) noexcept : Checked(setup, typename T::Params(setup)) {}
+  /// Refused for another reason.
+  explicit Checked(const Status<Scalar>& refusal) noexcept : status_(refusal) {}
+
+  explicit operator bool() const noexcept { return made_.has_value(); }
+  /// What `check` said.
+  const Status<Scalar>& status() const noexcept { return status_; }
+
+  /// Only where there is one.
+  T& operator*() noexcept { return *made_; }
+  const T& operator*() const noexcept { return *made_; }
+  T* operator->() noexcept { return &*made_; }
+  const T* operator->() const noexcept { return &*made_; }
+
+ private:
+  Status<Scalar> status_;
+  std::optional<T> made_;
+};
 
 /// Name of a counter in telemetry: its increments become dated events of the result.
 struct Counter {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file  Parameters by the name they have in the catalogue: what exported code, the FMU and an uploaded table of gains use.
 ///
-///     Observer::Params p = default_params<Observer>(setup);
+///     Observer::Params p(setup);
 ///     const bool taken = set_parameter(p, "lambda1", 2.0) && set_parameter(p, "method", 1);
 ///
 /// It finds the member through the component's `describe`, so there is no second list of names. No heap, no text is kept.

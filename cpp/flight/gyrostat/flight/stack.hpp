@@ -4,12 +4,19 @@
 /// Guard (guard.hpp says what is impossible): of an invalid measurement, attitude and rate are carried on by the model and
 /// teach nothing, an invalid reference holds the last valid one; an impossible output restarts its component and the previous
 /// command is issued again; the command is clipped to its box and its rate once more. Each sets a Flag in the status.
+///
+///     typename Stack::Params p(setup);  // defaults for the vehicle
+///     p.controller.K = 2;
+///     Checked<Stack> stack(setup, p);   // a stack, or the refusal of `check`
+///     if (!stack) return report(stack.status());
+///
 /// Page: docs/flight_software.md
 #pragma once
 #include <algorithm>
 #include <utility>
 
 #include "gyrostat/core/power.hpp"
+#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/estimator.hpp"
 #include "gyrostat/flight/inputs.hpp"
 
@@ -27,7 +34,31 @@ class FlightStack {
       noexcept(std::declval<A&>().step(std::declval<const Demand<Scalar>&>(), std::declval<const Estimate<Scalar>&>(),
                                        std::declval<const Detection<Scalar>&>()));
 
-  FlightStack(const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_)
+  /// Parameters of the four components, with their defaults for the vehicle.
+  struct Params {
+    typename O::Params observer;
+    typename D::Params detector;
+    typename C::Params controller;
+    typename A::Params allocator;
+
+    explicit Params(const Setup<Scalar>& setup) noexcept
+        : observer(setup), detector(setup), controller(setup), allocator(setup) {}
+  };
+
+  /// What each component says of its parameters, and what observer and allocator must agree on.
+  static Status<Scalar> check(const Setup<Scalar>& setup, const Params& p) noexcept {
+    return component_check<O>(setup, p.observer) && component_check<D>(setup, p.detector) &&
+           component_check<C>(setup, p.controller) && component_check<A>(setup, p.allocator) &&
+           actuators_can_recover(effectiveness_floor_of<O>(p.observer), effectiveness_floor_of<A>(p.allocator));
+  }
+
+  /// `Checked<FlightStack<...>>` asks `check` before it comes here.
+  FlightStack(Unchecked, const Setup<Scalar>& setup, const Params& p)
+      : FlightStack(unchecked, setup, O(unchecked, setup, p.observer), D(unchecked, setup, p.detector),
+                    C(unchecked, setup, p.controller), A(unchecked, setup, p.allocator)) {}
+
+  /// Of components that are there already; whether they agree with each other nobody asks.
+  FlightStack(Unchecked, const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_)
       : estimator(setup, std::move(observer), std::move(detector)),
         controller(std::move(controller_)),
         allocator(std::move(allocator_)),

@@ -289,8 +289,8 @@ std::string text_of(const Status<double>& s) {
 
 /// Lets pass what works, and what is unstable where the scenario wants it so.
 void admit(const Assembly& a, const std::string& where, const Status<double>& status) {
+  if (status.ok(a.run.allow_unstable)) return;
   const bool unstable = status.code == Status<double>::Code::unstable;
-  if (status.ok() || (unstable && a.run.allow_unstable)) return;
   refuse(where + ": " + text_of(status) + (unstable ? " (unstable; allow_unstable = true runs it anyway)" : ""));
 }
 
@@ -385,7 +385,7 @@ std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) 
 Stack make_stack(const Assembly& a, const ExternalComponents& external) {
   const Catalogue& c = catalogue();
   admit(a, a.observer.where + ", " + a.allocator.where, check_pair(a));
-  return Stack(a.setup, AnyObserver(make_one(c.observers, a, a.observer, external.observer)),
+  return Stack(unchecked, a.setup, AnyObserver(make_one(c.observers, a, a.observer, external.observer)),
                AnyDetector(make_one(c.detectors, a, a.detector, external.detector)),
                AnyController(make_one(c.controllers, a, a.controller, external.controller)),
                AnyAllocator(make_one(c.allocators, a, a.allocator, external.allocator)));

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// @file  The catalogue: every component by family and name. Adding one is a line in catalogue_<family>.cpp; an
-///        application adds its own with `catalogue().add(controller<MyLaw>())`.
+/// @file  The catalogue: every component by family and name. Those of the library come from the lists of flight
+///        (flight/observers.hpp and its like); an application adds its own with `catalogue().add(controller<MyLaw>())`.
 #pragma once
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "gyrostat/core/components.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/host/any.hpp"
 #include "gyrostat/host/parameters.hpp"
@@ -54,18 +55,19 @@ std::string class_name() {
 template <template <class> class Component, class Base, template <class> class ModelOf>
 Entry<Base> entry() {
   using T = Component<double>;
+  static_assert(Checkable<T>, "see core/params.hpp: Params(setup), and a constructor that takes Unchecked first");
   using Params = typename T::Params;
   const auto params = [](const Setup<double>& setup, const Table& table, const Place& place) {
-    return read_params<Params>(default_params<T, double>(setup), table, place);
+    return read_params(Params(setup), table, place);
   };
   return {T::name,
           traits_of<T>(),
-          [](const Setup<double>& setup) { return describe_params<Params>(default_params<T, double>(setup)); },
+          [](const Setup<double>& setup) { return describe_params(Params(setup)); },
           [params](const Setup<double>& setup, const Table& table, const Place& place) {
             return component_check<T>(setup, params(setup, table, place));
           },
           [params](const Setup<double>& setup, const Table& table, const Place& place) -> std::unique_ptr<Base> {
-            return std::make_unique<ModelOf<T>>(T(setup, params(setup, table, place)));
+            return std::make_unique<ModelOf<T>>(T(unchecked, setup, params(setup, table, place)));
           },
           [params](const Setup<double>& setup, const Table& table, const Place& place) -> Coupling {
             const Params p = params(setup, table, place);
@@ -75,6 +77,11 @@ Entry<Base> entry() {
             return describe_params<Params>(params(setup, table, place));
           },
           {class_name<T>(), sizeof(T), sizeof(Component<float>)}};
+}
+
+template <class Base, template <class> class ModelOf, template <class> class... Component>
+std::vector<Entry<Base>> entries(Components<Component...>) {
+  return {entry<Component, Base, ModelOf>()...};
 }
 
 }  // namespace detail
@@ -131,7 +138,7 @@ class Catalogue {
 /// The catalogue of this process. Add before the first run; adding is not thread-safe.
 Catalogue& catalogue();
 
-// One table a family, each in its own file.
+// One role a file: each compiles all components of its role.
 std::vector<Entry<ObserverBase>> builtin_observers();
 std::vector<Entry<DetectorBase>> builtin_detectors();
 std::vector<Entry<ControllerBase>> builtin_controllers();

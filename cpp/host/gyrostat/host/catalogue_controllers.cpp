@@ -1,38 +1,17 @@
 // SPDX-License-Identifier: MIT
-#include "gyrostat/host/catalogue.hpp"
+#include "gyrostat/flight/controllers.hpp"
 
-#include "gyrostat/flight/controllers/fast_terminal_sliding_mode.hpp"
-#include "gyrostat/flight/controllers/finite_time.hpp"
-#include "gyrostat/flight/controllers/integral_sliding_mode.hpp"
-#include "gyrostat/flight/controllers/mixed_learning_sliding_mode.hpp"
-#include "gyrostat/flight/controllers/mixed_learning_terminal_sliding_mode.hpp"
-#include "gyrostat/flight/controllers/mrp_feedback.hpp"
-#include "gyrostat/flight/controllers/preassigned_time_sliding_mode.hpp"
-#include "gyrostat/flight/controllers/predefined_time.hpp"
-#include "gyrostat/flight/controllers/prescribed_performance.hpp"
-#include "gyrostat/flight/controllers/saturated_pd.hpp"
-#include "gyrostat/flight/controllers/sliding_mode.hpp"
-#include "gyrostat/flight/controllers/terminal_sliding_mode.hpp"
+#include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/open_loop.hpp"
 
 namespace gyrostat::host {
 
+/// The host's own `open_loop` stands in for the embedded one of that name.
 std::vector<Entry<ControllerBase>> builtin_controllers() {
-  return {
-      controller<FastTerminalSlidingMode>(),
-      controller<FiniteTime>(),
-      controller<IntegralSlidingMode>(),
-      controller<MixedLearningSlidingMode>(),
-      controller<MixedLearningTerminalSlidingMode>(),
-      controller<MrpFeedback>(),
-      controller<OpenLoopWaveforms>(),
-      controller<PreassignedTimeSlidingMode>(),
-      controller<PredefinedTime>(),
-      controller<PrescribedPerformance>(),
-      controller<SaturatedPd>(),
-      controller<SlidingMode>(),
-      controller<TerminalSlidingMode>(),
-  };
+  std::vector<Entry<ControllerBase>> entries = detail::entries<ControllerBase, detail::ControllerModel>(Controllers{});
+  for (Entry<ControllerBase>& entry : entries)
+    if (entry.name == OpenLoopWaveforms<double>::name) entry = controller<OpenLoopWaveforms>();
+  return entries;
 }
 
 }  // namespace gyrostat::host

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "gyrostat/host/catalogue.hpp"
+#include "gyrostat/flight/detectors.hpp"
 
-#include "gyrostat/flight/detectors/none.hpp"
-#include "gyrostat/flight/detectors/threshold.hpp"
+#include "gyrostat/host/catalogue.hpp"
 
 namespace gyrostat::host {
 
 std::vector<Entry<DetectorBase>> builtin_detectors() {
-  return {
-      detector<NoDetector>(),
-      detector<ThresholdDetector>(),
-  };
+  return detail::entries<DetectorBase, detail::DetectorModel>(Detectors{});
 }
 
 }  // namespace gyrostat::host

@@ -23,9 +23,8 @@ class OpenLoopWaveforms {
     static constexpr void describe(auto& p, auto&& field) {
       field(p.command, Field{"command", "N m", -1e9, 1e9, "command, a number or a waveform an actuator"});
     }
-    static Params defaults(const Setup<S>& setup) {
-      return {std::vector<truth::Waveform>(static_cast<std::size_t>(setup.vehicle.actuators()), truth::Waveform(0.0))};
-    }
+    explicit Params(const Setup<S>& setup)
+        : command(static_cast<std::size_t>(setup.vehicle.actuators()), truth::Waveform(0.0)) {}
   };
 
   static Status<S> check(const Setup<S>& setup, const Params& p) {
@@ -34,7 +33,7 @@ class OpenLoopWaveforms {
                               static_cast<S>(p.command.size()), static_cast<S>(n), "=");
   }
 
-  OpenLoopWaveforms(const Setup<S>& setup, const Params& params)
+  OpenLoopWaveforms(Unchecked, const Setup<S>& setup, const Params& params)
       : D_B_(setup.vehicle.D_B), dt_(setup.dt), command_(params.command) {
     demand_.u_pref = VecN<S>::Zero(setup.vehicle.actuators());
   }

@@ -11,11 +11,7 @@
 #include "flight/telemetry_log.hpp"
 #include "flight/vehicles.hpp"
 #include "gyrostat/core/concepts.hpp"
-#include "gyrostat/flight/allocators/lexicographic.hpp"
-#include "gyrostat/flight/allocators/lexicographic_scaled.hpp"
-#include "gyrostat/flight/allocators/pseudo_inverse.hpp"
-#include "gyrostat/flight/allocators/robust_socp.hpp"
-#include "gyrostat/flight/allocators/weighted_least_squares.hpp"
+#include "gyrostat/flight/allocators.hpp"
 #include "random.hpp"
 
 namespace {
@@ -57,25 +53,20 @@ class OptimalAllocators : public testing::Test {
   gyrostat::Setup<S> setup = ftc_4rw<S>();
   Detection<S> none = Detection<S>::none(setup.vehicle);
 
-  /// Calls with(default allocator) for each of the four.
+  /// Calls with(default allocator) for each of the optimal ones.
   void for_each(auto&& with) const {
     for_each([](auto&) {}, with);
   }
   /// The same with changed parameters.
   void for_each(auto&& change, auto&& with) const {
-    with(make<Lexicographic<S>>(setup, change));
-    with(make<LexicographicScaled<S>>(setup, change));
-    with(make<WeightedLeastSquares<S>>(setup, change));
-    with(make<RobustSocp<S>>(setup, change));
+    Allocators::each<S>([&]<class A>() {
+      if constexpr (std::derived_from<A, OptimalAllocator<S>>) with(make<A>(setup, change));
+    });
   }
   /// Calls with(allocator) for every one of the catalogue, with this rank_tolerance.
   void for_all(S rank_tolerance, auto&& with) const {
     const auto change = [&](auto& p) { p.rank_tolerance = rank_tolerance; };
-    with(make<PseudoInverse<S>>(setup, change));
-    with(make<Lexicographic<S>>(setup, change));
-    with(make<LexicographicScaled<S>>(setup, change));
-    with(make<WeightedLeastSquares<S>>(setup, change));
-    with(make<RobustSocp<S>>(setup, change));
+    Allocators::each<S>([&]<class A>() { with(make<A>(setup, change)); });
   }
   /// Wheels whose third axis is `weak` times as strong as the other two.
   void flatten(S weak) {
@@ -85,10 +76,10 @@ class OptimalAllocators : public testing::Test {
   }
   template <class A>
   static A make(const gyrostat::Setup<S>& s, auto&& change) {
-    auto params = default_params<A>(s);
+    typename A::Params params(s);
     change(params);
     EXPECT_TRUE(A::check(s, params).ok());
-    return A(s, params);
+    return A(unchecked, s, params);
   }
   template <class A>
   static A make(const gyrostat::Setup<S>& s) {
@@ -363,7 +354,7 @@ TYPED_TEST(OptimalAllocators, UncertainWheelsAreSparedAtNoLossOfTorque) {
 
 TYPED_TEST(OptimalAllocators, RefuseOtherNumbersOfWeightsThanActuators) {
   using S = TypeParam;
-  auto params = default_params<Lexicographic<S>>(this->setup);
+  typename Lexicographic<S>::Params params(this->setup);
   params.effort_weight = VecN<S>::Ones(3);
   EXPECT_FALSE(Lexicographic<S>::check(this->setup, params).ok());
 }
@@ -549,8 +540,8 @@ TYPED_TEST(OptimalAllocators, DefaultPricesAreThoseOfAUnitAxis) {
   gyrostat::Setup<S> strong = this->setup;
   strong.vehicle.D_B.col(2) *= S(10);
   const auto ratio = [&]<class A>(std::type_identity<A>) {
-    const S weak_price = default_params<A>(this->setup).residual_weight;
-    return static_cast<double>(weak_price / default_params<A>(strong).residual_weight);
+    const S weak_price = typename A::Params(this->setup).residual_weight;
+    return static_cast<double>(weak_price / typename A::Params(strong).residual_weight);
   };
   EXPECT_NEAR(ratio(std::type_identity<RobustSocp<S>>{}), 100, 1e-3);
   EXPECT_NEAR(ratio(std::type_identity<WeightedLeastSquares<S>>{}), 100, 1e-3);

@@ -22,14 +22,14 @@ class Lexicographic : public OptimalAllocator<S> {
       field(p.axis_priority,
             Field{"axis_priority", "", 0, 2, "0 is served first, whatever it costs the others; equal: together"});
     }
-    static Params defaults(const Setup<S>& setup) noexcept { return {Lexicographic::shared_defaults(setup)}; }
+    explicit Params(const Setup<S>& setup) noexcept : OptimalAllocatorParams<S>(setup) {}
   };
 
   static Status<S> check(const Setup<S>& setup, const Params& params) noexcept {
     return Lexicographic::check_shared(setup, params);
   }
 
-  Lexicographic(const Setup<S>& setup, const Params& params) noexcept
+  Lexicographic(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : OptimalAllocator<S>(setup, params, AllocationMode::lexicographic) {
     for (int r = 0; r < 3; ++r)
       this->problem().priority[std::size_t(r)] = static_cast<std::uint8_t>(params.axis_priority[r]);

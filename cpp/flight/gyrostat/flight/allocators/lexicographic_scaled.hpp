@@ -16,14 +16,14 @@ class LexicographicScaled : public OptimalAllocator<S> {
   static constexpr const char* name = "lexicographic_scaled";
 
   struct Params : OptimalAllocatorParams<S> {
-    static Params defaults(const Setup<S>& setup) noexcept { return {LexicographicScaled::shared_defaults(setup)}; }
+    explicit Params(const Setup<S>& setup) noexcept : OptimalAllocatorParams<S>(setup) {}
   };
 
   static Status<S> check(const Setup<S>& setup, const Params& params) noexcept {
     return LexicographicScaled::check_shared(setup, params);
   }
 
-  LexicographicScaled(const Setup<S>& setup, const Params& params) noexcept
+  LexicographicScaled(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : OptimalAllocator<S>(setup, params, AllocationMode::lexicographic_scaled) {}
 
   void telemetry(auto&& log) const {

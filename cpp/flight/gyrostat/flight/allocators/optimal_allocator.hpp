@@ -31,6 +31,9 @@ struct OptimalAllocatorParams {
   S rank_tolerance = default_rank_tolerance<S>;
   int max_newton = 200;
 
+  explicit OptimalAllocatorParams(const Setup<S>& setup) noexcept
+      : effort_weight(VecN<S>::Ones(setup.vehicle.actuators())) {}
+
   static constexpr void describe(auto& p, auto&& field) {
     field(p.effort_weight,
           Field{"effort_weight", "", 1e-6, 1e6, "price of an actuator's squared torque against the others'"});
@@ -97,12 +100,6 @@ class OptimalAllocator {
     problem_.effectiveness_min = S(0);  // decided with the geometry
     problem_.max_newton = params.max_newton;
     reset();
-  }
-
-  static OptimalAllocatorParams<S> shared_defaults(const Setup<S>& setup) noexcept {
-    OptimalAllocatorParams<S> p;
-    p.effort_weight = VecN<S>::Ones(setup.vehicle.actuators());
-    return p;
   }
 
   /// Residual weights have the unit of 1 / D^2: the strongest actuator's torque axis sets it.

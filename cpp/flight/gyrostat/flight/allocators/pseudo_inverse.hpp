@@ -34,6 +34,8 @@ class PseudoInverse {
     /// What an infinite effectiveness_bound (never excited, or forgotten) does to the estimate beside it.
     Unknown unknown = Unknown::estimate;
 
+    explicit Params(const Setup<S>&) noexcept {}
+
     static constexpr void describe(auto& p, auto&& field) {
       field(p.use_effectiveness, Switch{"use_effectiveness", "invert D diag(effectiveness) instead of D"});
       field(p.e_min, Field{"e_min", "", 0, 1, "weaker actuators are not used (with use_effectiveness)"});
@@ -51,7 +53,7 @@ class PseudoInverse {
     return Status<S>::require(n >= 1, "actuators", static_cast<S>(n), S(1), ">=");
   }
 
-  PseudoInverse(const Setup<S>& setup, const Params& params) noexcept
+  PseudoInverse(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         params_(params),
         du_max_(setup.vehicle.u_rate * setup.dt),

@@ -17,7 +17,7 @@ class RobustSocp : public OptimalAllocator<S> {
   static constexpr const char* name = "robust_socp";
 
   struct Params : OptimalAllocatorParams<S> {
-    S residual_weight = S(1e3);
+    S residual_weight;
     WorstCase worst_case = WorstCase::bound;
     S margin = S(0);
 
@@ -29,18 +29,15 @@ class RobustSocp : public OptimalAllocator<S> {
             Choice{"worst_case", "bound|exact|paper_constant", "closed-form bound, exact worst case, or |r| + margin"});
       field(p.margin, Field{"margin", "N m", 0, 1e6, "constant added to |r|; used by paper_constant alone"});
     }
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p{RobustSocp::shared_defaults(setup)};
-      p.residual_weight = S(1e3) * RobustSocp::per_squared_axis(setup);
-      return p;
-    }
+    explicit Params(const Setup<S>& setup) noexcept
+        : OptimalAllocatorParams<S>(setup), residual_weight(S(1e3) * RobustSocp::per_squared_axis(setup)) {}
   };
 
   static Status<S> check(const Setup<S>& setup, const Params& params) noexcept {
     return RobustSocp::check_shared(setup, params);
   }
 
-  RobustSocp(const Setup<S>& setup, const Params& params) noexcept
+  RobustSocp(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : OptimalAllocator<S>(setup, params, AllocationMode::robust_socp) {
     this->problem().residual_weight = params.residual_weight;
     this->problem().worst_case = params.worst_case;

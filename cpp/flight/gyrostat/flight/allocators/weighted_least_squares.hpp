@@ -16,7 +16,7 @@ class WeightedLeastSquares : public OptimalAllocator<S> {
   static constexpr const char* name = "weighted_least_squares";
 
   struct Params : OptimalAllocatorParams<S> {
-    S residual_weight = S(1e4);
+    S residual_weight;
 
     static constexpr void describe(auto& p, auto&& field) {
       OptimalAllocatorParams<S>::describe(p, field);
@@ -24,18 +24,15 @@ class WeightedLeastSquares : public OptimalAllocator<S> {
             Field{"residual_weight", "", 1e-6, 1e12, "price of the squared missing torque against effort"});
     }
     /// 1e4 against an actuator with a unit axis: a thousandth of a per cent of an attainable demand is left.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p{WeightedLeastSquares::shared_defaults(setup)};
-      p.residual_weight = S(1e4) * WeightedLeastSquares::per_squared_axis(setup);
-      return p;
-    }
+    explicit Params(const Setup<S>& setup) noexcept
+        : OptimalAllocatorParams<S>(setup), residual_weight(S(1e4) * WeightedLeastSquares::per_squared_axis(setup)) {}
   };
 
   static Status<S> check(const Setup<S>& setup, const Params& params) noexcept {
     return WeightedLeastSquares::check_shared(setup, params);
   }
 
-  WeightedLeastSquares(const Setup<S>& setup, const Params& params) noexcept
+  WeightedLeastSquares(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : OptimalAllocator<S>(setup, params, AllocationMode::weighted_least_squares) {
     this->problem().residual_weight = params.residual_weight;
   }

@@ -20,8 +20,8 @@ class FastTerminalSlidingMode {
   static constexpr bool regulates = true;
 
   struct Params {
-    S b1 = S(0.2), b2 = S(0.01), r = S(0.6), core = S(0.005);
-    S b3 = S(40), b4 = S(0.05), s_core = S(1e-3);
+    S b1, b2, r = S(0.6), core = S(0.005);
+    S b3, b4, s_core;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.b1, Field{"b1", "rad/s", 0, 1e3, "slope of the surface in the vector part of the error quaternion"});
@@ -35,15 +35,13 @@ class FastTerminalSlidingMode {
 
     /// With w the default natural frequency, a the usable torque: b1 = 1.3 w, b3 closes s at 8 w (0.1 / dt at most), the terminal
     /// part of s asks for 0.03 a at s = w.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept {
       const S w = default_stiffness(setup).frequency;
-      Params p;
-      p.b1 = S(1.3) * w;
-      p.b2 = S(0.13) * w;
-      p.b3 = std::min(S(8) * w, S(0.1) / setup.dt) * largest_inertia(setup.vehicle.J_B);
-      p.b4 = S(0.03) * usable_torque(setup.vehicle) / std::pow(w, p.r);
-      p.s_core = S(0.05) * w;
-      return p;
+      b1 = S(1.3) * w;
+      b2 = S(0.13) * w;
+      b3 = std::min(S(8) * w, S(0.1) / setup.dt) * largest_inertia(setup.vehicle.J_B);
+      b4 = S(0.03) * usable_torque(setup.vehicle) / std::pow(w, r);
+      s_core = S(0.05) * w;
     }
   };
 
@@ -57,7 +55,7 @@ class FastTerminalSlidingMode {
                               S(2) * J, "<", Status<S>::Code::unstable);
   }
 
-  FastTerminalSlidingMode(const Setup<S>& setup, const Params& p) noexcept
+  FastTerminalSlidingMode(Unchecked, const Setup<S>& setup, const Params& p) noexcept
       : vehicle_(setup.vehicle), gains_{{p.b1, p.b2, p.r, p.core}, {p.b3, p.b4, p.r, p.s_core}} {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {

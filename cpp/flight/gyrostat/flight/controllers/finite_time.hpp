@@ -25,7 +25,7 @@ class FiniteTime {
     return needs_body_coordinates(setup) && NominalLaw<S>::check(setup, p);
   }
 
-  FiniteTime(const Setup<S>& setup, const Params& params) noexcept
+  FiniteTime(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle), nominal_(params), set_(params.shadow_switch) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {

@@ -33,15 +33,15 @@ class IntegralSlidingMode {
 
   struct Params {
     typename NominalLaw<S>::Params nominal;
-    Vec3<S> K3 = Vec3<S>::Constant(S(5));
-    Vec3<S> K4 = Vec3<S>::Constant(S(3));
+    Vec3<S> K3;
+    Vec3<S> K4;
     S gamma = S(0.88);
-    S zeta1 = S(0.2);
-    S zeta2 = S(0.2);
-    S mu = S(0.1);
-    Vec3<S> gain_0 = Vec3<S>::Constant(S(0.15));
-    S eps = S(0.01);
-    S s_lim = S(0.05);
+    S zeta1;
+    S zeta2;
+    S mu;
+    Vec3<S> gain_0;
+    S eps;
+    S s_lim;
     Surface surface = Surface::inertia;
     Switching switching = Switching::layer;
 
@@ -68,20 +68,17 @@ class IntegralSlidingMode {
     /// With a = usable torque and the rate r = min(0.05 / dt, 50 natural frequencies) of the linear part: all of a is spent at
     /// s_lim = a / r, a tenth of it is the layer, the floor of the switching gain is a twentieth of a. The gain moves by a tenth
     /// of a r at most: zeta1 |s|^kappa has no unit of its own, so it is held at kappa = 0 and at s_lim with kappa = 1.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept : nominal(setup) {
       const S a = usable_torque(setup.vehicle);
       const S r = std::min(fastest_law(setup), S(50) * default_stiffness(setup).frequency);
-      Params p;
-      p.nominal = NominalLaw<S>::Params::defaults(setup);
-      p.s_lim = a / r;
-      p.eps = S(0.1) * p.s_lim;
-      p.K3.setConstant(r);
-      p.K4.setConstant(S(0.5) * r * std::pow(p.s_lim, S(1) - p.gamma));
-      p.mu = S(0.05) * a;
-      p.gain_0.setConstant(S(0.075) * a);
-      p.zeta1 = S(0.1) * a * r / std::max(p.s_lim, S(1));
-      p.zeta2 = S(0.1) * r * r;
-      return p;
+      s_lim = a / r;
+      eps = S(0.1) * s_lim;
+      K3.setConstant(r);
+      K4.setConstant(S(0.5) * r * std::pow(s_lim, S(1) - gamma));
+      mu = S(0.05) * a;
+      gain_0.setConstant(S(0.075) * a);
+      zeta1 = S(0.1) * a * r / std::max(s_lim, S(1));
+      zeta2 = S(0.1) * r * r;
     }
   };
 
@@ -97,7 +94,7 @@ class IntegralSlidingMode {
                               slope * per_momentum * setup.dt, S(2), "<", Status<S>::Code::unstable);
   }
 
-  IntegralSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+  IntegralSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         dt_(setup.dt),
         params_(params),

@@ -27,12 +27,12 @@ class MixedLearningSlidingMode {
   static constexpr bool regulates = true;
 
   struct Params : SurfaceGains<S> {
-    Mat3<S> K3 = Mat3<S>::Identity();
+    Mat3<S> K3;
     S sigma3 = S(0.01);
     S sigma4 = S(0.99);
-    S theta3 = S(0.99);
+    S theta3 = S(0.999);
     int delay = 1;
-    S clamp = std::numeric_limits<S>::infinity();
+    S clamp;
     bool compensate = true;
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -50,14 +50,10 @@ class MixedLearningSlidingMode {
     MixedLearningGains<S> learning() const noexcept { return {K3, sigma4, sigma3, theta3, delay, clamp}; }
 
     /// `SurfaceGains`; the learning has the bandwidth f of the linear part, keeps 0.999 and is clamped at the usable torque.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      static_cast<SurfaceGains<S>&>(p) = SurfaceGains<S>::defaults(setup);
+    explicit Params(const Setup<S>& setup) noexcept : SurfaceGains<S>(setup) {
       const S f = default_stiffness(setup).frequency;
-      p.K3 = f * f * setup.dt * setup.vehicle.J_B;
-      p.theta3 = S(0.999);
-      p.clamp = usable_torque(setup.vehicle);
-      return p;
+      K3 = f * f * setup.dt * setup.vehicle.J_B;
+      clamp = usable_torque(setup.vehicle);
     }
   };
 
@@ -69,7 +65,7 @@ class MixedLearningSlidingMode {
            learning_loop_is_stable(setup, Mat3<S>(p.k_lin * Mat3<S>::Identity()), p.slope(), p.learning());
   }
 
-  MixedLearningSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+  MixedLearningSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : MixedLearningSlidingMode(setup, params, {params.delta}, {}) {}
 
   /// First sample: nothing learnt before.

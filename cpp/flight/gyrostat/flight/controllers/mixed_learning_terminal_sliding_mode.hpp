@@ -21,10 +21,10 @@ class MixedLearningTerminalSlidingMode : public MixedLearningSlidingMode<S> {
   static constexpr const char* name = "mixed_learning_terminal_sliding_mode";
 
   struct Params : Linear::Params {
-    S terminal = S(0.05);
+    S terminal;
     S power = S(0.7);
-    S core = S(0.01);
-    S k_power = S(0);
+    S core;
+    S k_power;
     S power_s = S(0.7);
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -40,14 +40,11 @@ class MixedLearningTerminalSlidingMode : public MixedLearningSlidingMode<S> {
 
     /// Those of the linear law; the terminal part equals the linear one at a quaternion error of 0.1, and its decay rate at zero
     /// is at most `fastest_law`.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      static_cast<typename Linear::Params&>(p) = Linear::Params::defaults(setup);
-      p.terminal = p.delta * std::pow(S(0.1), S(1) - p.power);
-      p.core = std::max(S(0.01),
-                        std::pow(S(0.5) * (S(2) - p.power) * p.terminal / fastest_law(setup), S(1) / (S(1) - p.power)));
-      p.k_power = p.k_lin * std::pow(S(0.5) * p.width, S(1) - p.power_s);
-      return p;
+    explicit Params(const Setup<S>& setup) noexcept : Linear::Params(setup) {
+      terminal = this->delta * std::pow(S(0.1), S(1) - power);
+      core =
+          std::max(S(0.01), std::pow(S(0.5) * (S(2) - power) * terminal / fastest_law(setup), S(1) / (S(1) - power)));
+      k_power = this->k_lin * std::pow(S(0.5) * this->width, S(1) - power_s);
     }
   };
 
@@ -58,7 +55,7 @@ class MixedLearningTerminalSlidingMode : public MixedLearningSlidingMode<S> {
                                                          rate * setup.dt, S(1), "<", Status<S>::Code::unstable);
   }
 
-  MixedLearningTerminalSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+  MixedLearningTerminalSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : Linear(setup, params, params.surface(), {params.k_power, params.power_s}) {}
 };
 

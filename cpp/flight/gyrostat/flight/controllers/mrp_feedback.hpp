@@ -23,8 +23,8 @@ class MrpFeedback {
   static constexpr bool regulates = true;
 
   struct Params {
-    S K = S(1);
-    S P = S(5);
+    S K;
+    S P;
     bool compensate = true;
     S shadow_switch = S(1);
 
@@ -34,9 +34,12 @@ class MrpFeedback {
       field(p.compensate, Switch{"compensate", "subtract the observer's d_B"});
       field(p.shadow_switch, shadow_switch_field);
     }
-    static Params defaults(const Setup<S>& setup) noexcept {
+
+    /// The default stiffness.
+    explicit Params(const Setup<S>& setup) noexcept {
       const Stiffness<S> k = default_stiffness(setup);
-      return {k.k_sigma, k.k_omega, true, S(1)};
+      K = k.k_sigma;
+      P = k.k_omega;
     }
   };
 
@@ -49,7 +52,7 @@ class MrpFeedback {
                                                                S(2) * J, "<", Status<S>::Code::unstable);
   }
 
-  MrpFeedback(const Setup<S>& setup, const Params& params) noexcept
+  MrpFeedback(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle), params_(params), set_(params.shadow_switch) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {

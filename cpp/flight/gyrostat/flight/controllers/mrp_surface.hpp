@@ -23,8 +23,8 @@ enum class SwitchingDirection : std::uint8_t { surface, matched };
 /// Parameters that laws on such a surface have in common.
 template <class S>
 struct MrpSurfaceParams {
-  S k_s = S(0.02);
-  S phi = S(1e-3);
+  S k_s;
+  S phi;
   SwitchingDirection direction = SwitchingDirection::surface;
   S shadow_switch = S(1);
 
@@ -38,11 +38,11 @@ struct MrpSurfaceParams {
 
   /// 5 % of the usable torque, in a layer of 2 % of the rate of the MRP that it reaches in a full turn, or of the slope that
   /// `fastest_law` allows.
-  static void scale(const Setup<S>& setup, MrpSurfaceParams& p) noexcept {
+  explicit MrpSurfaceParams(const Setup<S>& setup) noexcept {
     const S a = usable_torque(setup.vehicle);
-    p.k_s = S(0.05) * a;
-    p.phi = std::max(S(0.02) * std::sqrt(a / largest_inertia(setup.vehicle.J_B)) / S(4),
-                     p.k_s / (S(4) * smallest_inertia(setup.vehicle.J_B) * fastest_law(setup)));
+    k_s = S(0.05) * a;
+    phi = std::max(S(0.02) * std::sqrt(a / largest_inertia(setup.vehicle.J_B)) / S(4),
+                   k_s / (S(4) * smallest_inertia(setup.vehicle.J_B) * fastest_law(setup)));
   }
 
   /// Of the layer, per s, about the smallest inertia, 1/s.

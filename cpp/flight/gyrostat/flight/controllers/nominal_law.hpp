@@ -18,8 +18,8 @@ template <class S>
 class NominalLaw {
  public:
   struct Params {
-    S k1 = S(4.9);
-    S k2 = S(3);
+    S k1;
+    S k2;
     S beta1 = S(0.9);
     S shadow_switch = S(1);
 
@@ -31,13 +31,11 @@ class NominalLaw {
     }
 
     /// The torques of the default stiffness, at an error of 45 deg and at a rate of one natural frequency.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept {
       const Stiffness<S> k = default_stiffness(setup);
       const S sigma = default_full_error<S>;
-      Params p;
-      p.k1 = k.k_sigma * sigma / (S(0.25) * (S(1) + sigma * sigma) * std::pow(sigma, p.beta1));
-      p.k2 = k.k_omega * std::pow(k.frequency, S(1) - rate_power(p.beta1));
-      return p;
+      k1 = k.k_sigma * sigma / (S(0.25) * (S(1) + sigma * sigma) * std::pow(sigma, beta1));
+      k2 = k.k_omega * std::pow(k.frequency, S(1) - rate_power(beta1));
     }
   };
 

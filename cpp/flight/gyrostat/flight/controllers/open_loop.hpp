@@ -20,7 +20,7 @@ class OpenLoop {
     static constexpr void describe(auto& p, auto&& field) {
       field(p.command, Field{"command", "N m", -1e9, 1e9, "constant command, one an actuator"});
     }
-    static Params defaults(const Setup<S>& setup) noexcept { return {VecN<S>::Zero(setup.vehicle.actuators())}; }
+    explicit Params(const Setup<S>& setup) noexcept : command(VecN<S>::Zero(setup.vehicle.actuators())) {}
   };
 
   static Status<S> check(const Setup<S>& setup, const Params& p) noexcept {
@@ -29,7 +29,7 @@ class OpenLoop {
                               static_cast<S>(n), "=");
   }
 
-  OpenLoop(const Setup<S>& setup, const Params& params) noexcept {
+  OpenLoop(Unchecked, const Setup<S>& setup, const Params& params) noexcept {
     demand_.u_pref = params.command;
     demand_.tau_B = torque<S>(setup.vehicle.D_B, params.command);
   }

@@ -33,11 +33,11 @@ class PreassignedTimeSlidingMode {
   enum class StartAcceleration : std::uint8_t { smooth, zero };
 
   struct Params {
-    S T = S(10);
-    S c = S(1);
-    S b = S(1);
-    S eta = S(0.01);
-    S layer = S(0.01);
+    S T;
+    S c;
+    S b;
+    S eta;
+    S layer;
     StartAcceleration start_acceleration = StartAcceleration::smooth;
     S stretch = S(10);
 
@@ -57,16 +57,14 @@ class PreassignedTimeSlidingMode {
 
     /// With a = usable acceleration: T is that of a turn by 45 deg whose quintic peaks at a / 2; the surface and the
     /// correction have five times the default natural frequency, with a / 4 at the edge of the layer.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept {
       const S a = usable_acceleration(setup.vehicle);
       const S rate = std::min(fastest_law(setup), S(5) * default_stiffness(setup).frequency);
-      Params p;
-      p.T = std::max(std::sqrt(S(5.7735) * S(0.7854) / (S(0.5) * a)), S(50) * setup.dt);
-      p.c = rate;
-      p.b = rate;
-      p.eta = S(0.25) * a;
-      p.layer = p.eta / rate;
-      return p;
+      T = std::max(std::sqrt(S(5.7735) * S(0.7854) / (S(0.5) * a)), S(50) * setup.dt);
+      c = rate;
+      b = rate;
+      eta = S(0.25) * a;
+      layer = eta / rate;
     }
   };
 
@@ -82,7 +80,7 @@ class PreassignedTimeSlidingMode {
            Status<S>::require(p.c * setup.dt < S(2), "c * dt", p.c * setup.dt, S(2), "<", unstable);
   }
 
-  PreassignedTimeSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+  PreassignedTimeSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), torque_(usable_torque(setup.vehicle)) {}
 
   /// First sample: the path starts where the error is.

@@ -45,11 +45,11 @@ class PredefinedTime {
 
   struct Params : MrpSurfaceParams<S> {
     S h1 = S(0.25);
-    S T1 = S(60);
+    S T1;
     S h2 = S(0.25);
-    S T2 = S(60);
-    S floor1 = S(0.5) * S(0.03) * S(0.03);
-    S floor2 = S(1e-9);
+    S T2;
+    S floor1;
+    S floor2;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.h1, Field{"h1", "", 1e-3, 0.999, "power of V1 on the surface; above 1/4 the law needs floor1"});
@@ -64,13 +64,10 @@ class PredefinedTime {
     /// T1 = T2 in proportion to sqrt(J / usable torque): the published 10 s have the vehicle of the publication turn 90 deg with
     /// 1.4 rad/s^2 at the peak; here a peak of twice the acceleration at hand, the rest is saturation. The linear rates inside the
     /// floors stay below `fastest_law`: sampled slowly the floors are wide, and the law is the linear one that they hold.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      MrpSurfaceParams<S>::scale(setup, p);
-      p.T1 = p.T2 = std::max(S(10) * std::sqrt(S(0.7) / usable_acceleration(setup.vehicle)), S(200) * setup.dt);
-      p.floor1 = std::max(p.floor1, floor_of_rate(fastest_law(setup), p.h1, p.T1));
-      p.floor2 = std::max(S(0.5) * p.phi * p.phi, floor_of_rate(fastest_law(setup), p.h2, p.T2));
-      return p;
+    explicit Params(const Setup<S>& setup) noexcept : MrpSurfaceParams<S>(setup) {
+      T1 = T2 = std::max(S(10) * std::sqrt(S(0.7) / usable_acceleration(setup.vehicle)), S(200) * setup.dt);
+      floor1 = std::max(S(0.5) * S(0.03) * S(0.03), floor_of_rate(fastest_law(setup), h1, T1));
+      floor2 = std::max(S(0.5) * this->phi * this->phi, floor_of_rate(fastest_law(setup), h2, T2));
     }
   };
 
@@ -89,7 +86,7 @@ class PredefinedTime {
                               "<", unstable);
   }
 
-  PredefinedTime(const Setup<S>& setup, const Params& params) noexcept
+  PredefinedTime(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : params_(params), surface_(setup.vehicle, params) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {

@@ -25,9 +25,9 @@ class PrescribedPerformance {
   enum class Arming : std::uint8_t { adaptive, fixed };
 
   struct Params {
-    S b1 = S(0.015), b2 = S(0.005), r = S(0.6), eps_core = S(0.3);
-    S b3 = S(40), b4 = S(0.05), s_core = S(1e-3);
-    S rho_inf = S(0.005), q_floor = S(0.005), eta = S(1.05), power = S(0.5), kappa = S(2), tf_min = S(8);
+    S b1, b2, r = S(0.6), eps_core = S(0.3);
+    S b3, b4, s_core;
+    S rho_inf, q_floor = S(0.005), eta = S(1.05), power = S(0.5), kappa = S(2), tf_min;
     S delta_1 = S(1), delta_2 = S(1), z_max = S(0.9), e_min = S(0.05);
     Arming arming = Arming::adaptive;
     bool as_printed = false;
@@ -58,17 +58,15 @@ class PrescribedPerformance {
 
     /// With w the default natural frequency, a the usable torque: b1 = 0.2 w, 0.03 a of the terminal part at s = w, and a final
     /// width at which the loop is stable when sampled, up to z_max.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept {
       const S w = default_stiffness(setup).frequency;
-      Params p;
-      p.b1 = S(0.2) * w;
-      p.rho_inf = std::max(S(0.005), S(16) * p.b1 * setup.dt);
-      p.b2 = p.b1 / S(3);
-      p.b3 = std::min(S(8) * w, S(0.1) / setup.dt) * largest_inertia(setup.vehicle.J_B);
-      p.b4 = S(0.03) * usable_torque(setup.vehicle) / std::pow(w, p.r);
-      p.s_core = S(0.05) * w;
-      p.tf_min = S(0.6) / w;
-      return p;
+      b1 = S(0.2) * w;
+      rho_inf = std::max(S(0.005), S(16) * b1 * setup.dt);
+      b2 = b1 / S(3);
+      b3 = std::min(S(8) * w, S(0.1) / setup.dt) * largest_inertia(setup.vehicle.J_B);
+      b4 = S(0.03) * usable_torque(setup.vehicle) / std::pow(w, r);
+      s_core = S(0.05) * w;
+      tf_min = S(0.6) / w;
     }
   };
 
@@ -91,7 +89,7 @@ class PrescribedPerformance {
                               S(2), "<", unstable);
   }
 
-  PrescribedPerformance(const Setup<S>& setup, const Params& p) noexcept
+  PrescribedPerformance(Unchecked, const Setup<S>& setup, const Params& p) noexcept
       : vehicle_(setup.vehicle),
         dt_(setup.dt),
         params_(p),

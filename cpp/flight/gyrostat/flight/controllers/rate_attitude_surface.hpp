@@ -41,10 +41,10 @@ class RateAttitudeSurface {
 /// What every sliding mode on this surface has: slope of the surface, gains of reaching it, compensation.
 template <class S>
 struct SurfaceGains {
-  S delta = S(0.1);
-  S k_lin = S(3);
-  S k_sgn = S(0.01);
-  S width = S(0);
+  S delta;
+  S k_lin;
+  S k_sgn;
+  S width;
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.delta, Field{"delta", "1/s", 1e-9, 1e9, "slope of the surface; the attitude decays at half of it"});
@@ -55,10 +55,12 @@ struct SurfaceGains {
 
   /// a = usable torque, f = natural frequency of the default stiffness, J = largest inertia: the attitude decays at 0.7 f,
   /// k_lin = J f, k_sgn = a / 20, and the layer ends where the linear torque is as large.
-  static SurfaceGains defaults(const Setup<S>& setup) noexcept {
+  explicit SurfaceGains(const Setup<S>& setup) noexcept {
     const S f = default_stiffness(setup).frequency;
-    const S k_lin = largest_inertia(setup.vehicle.J_B) * f, k_sgn = S(0.05) * usable_torque(setup.vehicle);
-    return {S(1.4) * f, k_lin, k_sgn, k_sgn / k_lin};
+    delta = S(1.4) * f;
+    k_lin = largest_inertia(setup.vehicle.J_B) * f;
+    k_sgn = S(0.05) * usable_torque(setup.vehicle);
+    width = k_sgn / k_lin;
   }
 
   /// N m s, added to k_lin inside the layer.

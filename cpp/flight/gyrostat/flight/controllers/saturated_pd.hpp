@@ -23,9 +23,9 @@ class SaturatedPd {
   static constexpr bool regulates = true;
 
   struct Params {
-    S kp = S(1);
-    S kd = S(5);
-    S ws = S(0.1);
+    S kp;
+    S kd;
+    S ws;
     bool compensate = true;
     S shadow_switch = S(1);
 
@@ -38,13 +38,11 @@ class SaturatedPd {
     }
 
     /// The default stiffness; the damping saturates at the torque that the attitude can ask for at most, kp.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept {
       const Stiffness<S> k = default_stiffness(setup);
-      Params p;
-      p.kp = k.k_sigma;
-      p.kd = k.k_omega;
-      p.ws = k.k_sigma / k.k_omega;
-      return p;
+      kp = k.k_sigma;
+      kd = k.k_omega;
+      ws = k.k_sigma / k.k_omega;
     }
   };
 
@@ -57,7 +55,7 @@ class SaturatedPd {
                                                                S(2) * J, "<", Status<S>::Code::unstable);
   }
 
-  SaturatedPd(const Setup<S>& setup, const Params& params) noexcept
+  SaturatedPd(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle), params_(params), set_(params.shadow_switch) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {

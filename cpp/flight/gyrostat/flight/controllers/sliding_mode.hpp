@@ -42,11 +42,7 @@ class SlidingMode {
     }
 
     /// `SurfaceGains`, no network.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      static_cast<SurfaceGains<S>&>(p) = SurfaceGains<S>::defaults(setup);
-      return p;
-    }
+    explicit Params(const Setup<S>& setup) noexcept : SurfaceGains<S>(setup) {}
   };
 
   static constexpr Estimates uses(const Params& p) noexcept { return {.d_B = p.compensate}; }
@@ -59,7 +55,7 @@ class SlidingMode {
                               "<", Status<S>::Code::unstable);
   }
 
-  SlidingMode(const Setup<S>& setup, const Params& params) noexcept
+  SlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), surface_({params.delta}) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {

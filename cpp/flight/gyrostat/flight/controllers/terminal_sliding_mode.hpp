@@ -25,12 +25,12 @@ class TerminalSlidingMode {
   static constexpr bool regulates = true;
 
   struct Params : MrpSurfaceParams<S> {
-    S a = S(0.6);
-    S b = S(0.3);
+    S a;
+    S b;
     S g = S(0.6);
-    S eta = S(0.01);
-    S k1 = S(1);
-    S k2 = S(0.2);
+    S eta;
+    S k1;
+    S k2;
     S g2 = S(0.6);
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -46,16 +46,13 @@ class TerminalSlidingMode {
 
     /// Rates in proportion to the frequency of the default stiffness; the slope of the terminal part at zero is at most
     /// `fastest_law`.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept : MrpSurfaceParams<S>(setup) {
       const S f = default_stiffness(setup).frequency;
-      Params p;
-      MrpSurfaceParams<S>::scale(setup, p);
-      p.a = S(0.7) * f;
-      p.b = S(0.35) * f;
-      p.eta = std::max(S(0.01), std::pow((S(2) - p.g) * p.b / fastest_law(setup), S(1) / (S(1) - p.g)));
-      p.k1 = S(1.2) * f;
-      p.k2 = S(0.25) * f * std::pow(f, S(1) - p.g2);
-      return p;
+      a = S(0.7) * f;
+      b = S(0.35) * f;
+      eta = std::max(S(0.01), std::pow((S(2) - g) * b / fastest_law(setup), S(1) / (S(1) - g)));
+      k1 = S(1.2) * f;
+      k2 = S(0.25) * f * std::pow(f, S(1) - g2);
     }
   };
 
@@ -73,7 +70,7 @@ class TerminalSlidingMode {
                               reach + slope, S(2), "<", unstable);
   }
 
-  TerminalSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+  TerminalSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : params_(params), shape_{params.a, params.b, params.g, params.eta}, surface_(setup.vehicle, params) {}
 
   [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {

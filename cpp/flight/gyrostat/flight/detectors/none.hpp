@@ -14,12 +14,13 @@ class NoDetector {
   static constexpr bool axiswise = true;
 
   struct Params {
+    explicit Params(const Setup<S>&) noexcept {}
     static constexpr void describe(auto&, auto&&) {}
   };
 
   static Status<S> check(const Setup<S>&, const Params&) noexcept { return {}; }
 
-  explicit NoDetector(const Setup<S>& setup, const Params& = {}) noexcept : none_(Detection<S>::none(setup.vehicle)) {}
+  NoDetector(Unchecked, const Setup<S>& setup, const Params&) noexcept : none_(Detection<S>::none(setup.vehicle)) {}
 
   [[nodiscard]] Detection<S> start(const Estimate<S>&) noexcept { return none_; }
   [[nodiscard]] Detection<S> step(const Estimate<S>&, const Allocation<S>&) noexcept { return none_; }

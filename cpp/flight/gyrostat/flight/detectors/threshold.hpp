@@ -30,15 +30,15 @@ class ThresholdDetector {
 
   struct Params {
     S threshold = S(0.2);
-    S persistence = S(0.2);
-    S hold_off = S(4);
-    S settle = S(1);
-    S u_gate = S(0.05);
+    S persistence;
+    S hold_off;
+    S settle;
+    S u_gate;
     S failed_below = S(0.06);
     Mask unwatched;
     bool use_torque = true;
     S dither = S(0);
-    S dither_period = S(4);
+    S dither_period;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.threshold, Field{"threshold", "", 1e-6, 10, "change of effectiveness that is declared"});
@@ -55,14 +55,12 @@ class ThresholdDetector {
     }
 
     /// Gate as in the learning observers; persistence 20 samples, settling 100, hold-off 400, probe period 400.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      p.u_gate = S(0.2) * usable_torque(setup.vehicle);
-      p.persistence = S(20) * setup.dt;
-      p.settle = S(100) * setup.dt;
-      p.hold_off = p.dither_period = S(400) * setup.dt;
-      p.unwatched = setup.vehicle.spare;
-      return p;
+    explicit Params(const Setup<S>& setup) noexcept {
+      u_gate = S(0.2) * usable_torque(setup.vehicle);
+      persistence = S(20) * setup.dt;
+      settle = S(100) * setup.dt;
+      hold_off = dither_period = S(400) * setup.dt;
+      unwatched = setup.vehicle.spare;
     }
   };
 
@@ -83,7 +81,7 @@ class ThresholdDetector {
                               ">=");
   }
 
-  ThresholdDetector(const Setup<S>& setup, const Params& params) noexcept
+  ThresholdDetector(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         params_(params),
         persistence_(ticks(params.persistence, setup.dt)),

@@ -23,10 +23,10 @@ class AdaptiveIterativeLearningObserver {
   static constexpr bool switching = true;  ///< gain laws
 
   struct Params : EffectivenessLearningParams<S> {
-    S k1_0 = S(14), k1_max = S(40), mu1 = S(1e6);
-    S k4_0 = S(0.49), k4_max = S(4), mu4 = S(1.35e5);
-    S deadzone = S(7e-5), leak = S(3);
-    S k2_0 = S(2e-4), k2_max = S(2e-3), mu2 = S(1), chi = S(1e-4), gamma = S(1e-3), layer = S(1e-4);
+    S k1_0, k1_max, mu1;
+    S k4_0, k4_max, mu4;
+    S deadzone, leak;
+    S k2_0, k2_max, mu2, chi, gamma, layer;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.k1_0, Field{"k1_0", "1/s", 0, 1e9, "gain of the rate error at start and at rest"});
@@ -48,24 +48,21 @@ class AdaptiveIterativeLearningObserver {
 
     /// Natural frequency 0.07 ... 0.2 / dt, critically damped; from one end to the other in 40 samples at the edge of the
     /// dead zone, which is the rate that the usable torque makes in 1.5 samples. k2 stays below a hundredth of that torque.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      EffectivenessLearningParams<S>::scale(setup, p);
+    explicit Params(const Setup<S>& setup) noexcept : EffectivenessLearningParams<S>(setup) {
       const S h = setup.dt, a = usable_torque(setup.vehicle);
-      p.k1_0 = S(0.14) / h;
-      p.k1_max = S(0.4) / h;
-      p.k4_0 = S(0.0049) / h;
-      p.k4_max = S(0.04) / h;
-      p.deadzone = S(1.5) * h * a / largest_inertia(setup.vehicle.J_B);
-      p.mu1 = (p.k1_max - p.k1_0) / (S(40) * h * p.deadzone);
-      p.mu4 = (p.k4_max - p.k4_0) / (S(40) * h * p.deadzone);
-      p.leak = S(0.03) / h;
-      p.k2_0 = S(8e-4) * a;
-      p.k2_max = S(8e-3) * a;
-      p.chi = p.layer = S(1.4) * p.deadzone;
-      p.mu2 = p.k2_max / (S(2800) * h * p.deadzone);
-      p.gamma = p.k2_max / (S(200) * h);
-      return p;
+      k1_0 = S(0.14) / h;
+      k1_max = S(0.4) / h;
+      k4_0 = S(0.0049) / h;
+      k4_max = S(0.04) / h;
+      deadzone = S(1.5) * h * a / largest_inertia(setup.vehicle.J_B);
+      mu1 = (k1_max - k1_0) / (S(40) * h * deadzone);
+      mu4 = (k4_max - k4_0) / (S(40) * h * deadzone);
+      leak = S(0.03) / h;
+      k2_0 = S(8e-4) * a;
+      k2_max = S(8e-3) * a;
+      chi = layer = S(1.4) * deadzone;
+      mu2 = k2_max / (S(2800) * h * deadzone);
+      gamma = k2_max / (S(200) * h);
     }
   };
 
@@ -86,7 +83,7 @@ class AdaptiveIterativeLearningObserver {
                               static_cast<S>(fast), S(1), "=", unstable);
   }
 
-  AdaptiveIterativeLearningObserver(const Setup<S>& setup, const Params& params) noexcept
+  AdaptiveIterativeLearningObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : dt_(setup.dt), params_(params), learning_(setup, params), gains_(first()) {}
 
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {

@@ -29,11 +29,11 @@ class AdaptiveSlidingMode {
   static constexpr bool switching = true;
 
   struct Params {
-    S gamma = S(100);
-    Vec3<S> L = Vec3<S>::Constant(S(200));
-    S k_rho = S(1);
-    S rho_max = S(0.05);
-    S dead_zone = S(2e-3);
+    S gamma;
+    Vec3<S> L;
+    S k_rho;
+    S rho_max;
+    S dead_zone;
     S e_min = default_effectiveness_floor<S>;
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -48,15 +48,13 @@ class AdaptiveSlidingMode {
 
     /// L makes the rate error forget a tenth a period; gamma gives e the time constant of a hundred periods under a third of
     /// the usable torque; the switching gain is a percent of it.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept {
       const S a = usable_torque(setup.vehicle), J = smallest_inertia(setup.vehicle.J_B);
-      Params p;
-      p.L.setConstant(S(0.1) * J / setup.dt);
-      p.gamma = S(0.01) / setup.dt * p.L[0] * S(9) / (a * a);
-      p.rho_max = S(0.01) * a;
-      p.dead_zone = S(0.5) * a * setup.dt / J;
-      p.k_rho = S(1) / setup.dt * p.rho_max * S(0.01) / p.dead_zone;
-      return p;
+      L.setConstant(S(0.1) * J / setup.dt);
+      gamma = S(0.01) / setup.dt * L[0] * S(9) / (a * a);
+      rho_max = S(0.01) * a;
+      dead_zone = S(0.5) * a * setup.dt / J;
+      k_rho = S(1) / setup.dt * rho_max * S(0.01) / dead_zone;
     }
   };
 
@@ -82,7 +80,7 @@ class AdaptiveSlidingMode {
                               unstable);
   }
 
-  AdaptiveSlidingMode(const Setup<S>& setup, const Params& params) noexcept
+  AdaptiveSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : dt_(setup.dt), params_(params), predict_(setup) {
     effectiveness_.setOnes(setup.vehicle.actuators());
   }

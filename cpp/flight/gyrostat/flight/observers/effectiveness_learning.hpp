@@ -35,8 +35,8 @@ struct EffectivenessLearningParams {
   S k3 = S(1);
   S k5 = S(0);
   int delay = 1;
-  S u_gate = S(0.05);
-  S u_reg = S(0.02);
+  S u_gate;
+  S u_reg;
   S e_min = default_effectiveness_floor<S>;
   S e_max = S(1);
   S uncertainty = S(0.1);
@@ -57,11 +57,10 @@ struct EffectivenessLearningParams {
   }
 
   /// The gate is a fifth of the usable torque; spares are held at one.
-  static void scale(const Setup<S>& setup, EffectivenessLearningParams& p) noexcept {
+  explicit EffectivenessLearningParams(const Setup<S>& setup) noexcept : frozen(setup.vehicle.spare) {
     const S a = usable_torque(setup.vehicle);
-    p.u_gate = S(0.2) * a;
-    p.u_reg = S(0.08) * a;
-    p.frozen = setup.vehicle.spare;
+    u_gate = S(0.2) * a;
+    u_reg = S(0.08) * a;
   }
 };
 

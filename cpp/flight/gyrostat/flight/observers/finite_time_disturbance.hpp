@@ -32,8 +32,8 @@ class FiniteTimeDisturbanceObserver {
 
   struct Params {
     S alpha1 = S(0.6);
-    S lambda1 = S(1);
-    S lambda2 = S(0.6);
+    S lambda1;
+    S lambda2;
     Method method = Method::implicit;
     int substeps = 1;
 
@@ -48,14 +48,12 @@ class FiniteTimeDisturbanceObserver {
 
     /// Gains of the homogeneous error dynamics with time scale T, 10 periods or `observer_periods`, and rate scale a T, where a
     /// is the acceleration at hand: a step of all of it is found within a few T on every vehicle.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      const S alpha2 = S(2) * p.alpha1 - S(1);
+    explicit Params(const Setup<S>& setup) noexcept {
+      const S alpha2 = S(2) * alpha1 - S(1);
       const S T = observer_periods(setup, S(10)) * setup.dt;
       const S rate = usable_acceleration(setup.vehicle) * T;
-      p.lambda1 = std::pow(rate, S(1) - p.alpha1) / T;
-      p.lambda2 = S(0.6) * std::pow(rate, S(1) - alpha2) / (T * T);
-      return p;
+      lambda1 = std::pow(rate, S(1) - alpha1) / T;
+      lambda2 = S(0.6) * std::pow(rate, S(1) - alpha2) / (T * T);
     }
   };
 
@@ -76,7 +74,7 @@ class FiniteTimeDisturbanceObserver {
                               h * p.lambda1 - h * h * p.lambda2 / S(2), S(2), "<", unstable);
   }
 
-  FiniteTimeDisturbanceObserver(const Setup<S>& setup, const Params& params) noexcept
+  FiniteTimeDisturbanceObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         dt_(setup.dt),
         params_(params),

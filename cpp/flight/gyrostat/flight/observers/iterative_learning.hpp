@@ -20,8 +20,8 @@ class IterativeLearningObserver {
   static constexpr bool switching = true;  ///< an actuator crosses its gate
 
   struct Params : EffectivenessLearningParams<S> {
-    S k1 = S(20);
-    S k4 = S(1);
+    S k1;
+    S k4;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.k1, Field{"k1", "1/s", 0, 1e9, "gain of the rate error in the rate observer"});
@@ -29,12 +29,9 @@ class IterativeLearningObserver {
       EffectivenessLearningParams<S>::describe(p, field);
     }
     /// Natural frequency 0.1 / dt, critically damped.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      EffectivenessLearningParams<S>::scale(setup, p);
-      p.k1 = S(0.2) / setup.dt;
-      p.k4 = S(0.01) / setup.dt;
-      return p;
+    explicit Params(const Setup<S>& setup) noexcept : EffectivenessLearningParams<S>(setup) {
+      k1 = S(0.2) / setup.dt;
+      k4 = S(0.01) / setup.dt;
     }
   };
 
@@ -47,7 +44,7 @@ class IterativeLearningObserver {
                               static_cast<S>(stable), S(1), "=", Status<S>::Code::unstable);
   }
 
-  IterativeLearningObserver(const Setup<S>& setup, const Params& params) noexcept
+  IterativeLearningObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : learning_(setup, params), gains_{params.k1, S(0), params.k4} {}
 
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {

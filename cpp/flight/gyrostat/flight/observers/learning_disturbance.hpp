@@ -30,11 +30,11 @@ class LearningDisturbanceObserver {
   enum class Start : std::uint8_t { measured, zero };
 
   struct Params {
-    S M = S(40);
+    S M;
     S k1 = S(0.98);
-    S k2 = S(15);
-    S k3 = S(5);
-    S interval = S(0.01);
+    S k2;
+    S k3;
+    S interval;
     Form form = Form::held;
     Start start = Start::measured;
 
@@ -52,14 +52,12 @@ class LearningDisturbanceObserver {
 
     /// Held, learning every sample: with M T = 4, k2 T = 1.5, k3 T = 0.5 and T of 10 periods or `observer_periods` a disturbance
     /// is found within 1.5 T, to M (1 - k1) / (M (1 - k1) + k2 + k3) = 3.8 %.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
+    explicit Params(const Setup<S>& setup) noexcept {
       const S T = observer_periods(setup, S(10)) * setup.dt;
-      p.M = S(4) / T;
-      p.k2 = S(1.5) / T;
-      p.k3 = S(0.5) / T;
-      p.interval = setup.dt;
-      return p;
+      M = S(4) / T;
+      k2 = S(1.5) / T;
+      k3 = S(0.5) / T;
+      interval = setup.dt;
     }
   };
 
@@ -92,7 +90,7 @@ class LearningDisturbanceObserver {
             held ? 1 : N};
   }
 
-  LearningDisturbanceObserver(const Setup<S>& setup, const Params& params) noexcept
+  LearningDisturbanceObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         dt_(setup.dt),
         params_(params),

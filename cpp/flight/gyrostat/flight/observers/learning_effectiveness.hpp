@@ -35,13 +35,13 @@ class LearningEffectiveness {
 
   struct Params {
     S kappa = S(0.03);
-    S u0 = S(0.3);
-    S u_exc = S(0.3);
+    S u0;
+    S u_exc;
     S e_min = default_effectiveness_floor<S>;
-    Vec3<S> M = Vec3<S>::Constant(S(50));
+    Vec3<S> M;
     S n = S(0);
-    S torque_error = S(0.3);
-    S memory = S(30);
+    S torque_error;
+    S memory;
     S unknown_above = S(0.5);
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -60,13 +60,11 @@ class LearningEffectiveness {
 
     /// Commands of 1.5 % of the usable torque are noise; what they hide is the torque error. The memory is a hundred time
     /// constants dt / kappa.
-    static Params defaults(const Setup<S>& setup) noexcept {
-      Params p;
-      p.u0 = S(0.015) * usable_torque(setup.vehicle);
-      p.u_exc = p.torque_error = p.u0;
-      p.M.setConstant(S(0.03) / setup.dt * smallest_inertia(setup.vehicle.J_B));
-      p.memory = S(100) * setup.dt / p.kappa;
-      return p;
+    explicit Params(const Setup<S>& setup) noexcept {
+      u0 = S(0.015) * usable_torque(setup.vehicle);
+      u_exc = torque_error = u0;
+      M.setConstant(S(0.03) / setup.dt * smallest_inertia(setup.vehicle.J_B));
+      memory = S(100) * setup.dt / kappa;
     }
   };
 
@@ -81,7 +79,7 @@ class LearningEffectiveness {
                               unstable);
   }
 
-  LearningEffectiveness(const Setup<S>& setup, const Params& params) noexcept
+  LearningEffectiveness(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : J_over_dt_(setup.vehicle.J_B / setup.dt),
         params_(params),
         predict_(setup),

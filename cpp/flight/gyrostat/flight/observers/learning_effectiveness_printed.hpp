@@ -33,16 +33,16 @@ class LearningEffectivenessPrinted {
   enum class Direction : std::uint8_t { none, command };
 
   struct Params {
-    S l = S(0.9);
-    Vec3<S> H1 = Vec3<S>::Constant(S(10));
-    Vec3<S> H2 = Vec3<S>::Constant(S(10));
-    Vec3<S> M = Vec3<S>::Constant(S(50));
+    S l = S(1);
+    Vec3<S> H1;
+    Vec3<S> H2 = Vec3<S>::Zero();
+    Vec3<S> M;
     S n = S(0);
     S layer = S(0);
-    S delay = S(0.01);
+    S delay;
     S e_min = default_effectiveness_floor<S>;
-    Direction direction = Direction::none;
-    S u_exc = S(0.3);
+    Direction direction = Direction::command;
+    S u_exc;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.l, Field{"l", "", 0, 1, "share of the earlier estimate that is kept; below 1 it leaks"});
@@ -61,17 +61,12 @@ class LearningEffectivenessPrinted {
 
     /// Not the printed numbers, which make every loop a relay: no leak, the direction of the command, no switching part; the
     /// estimate closes a hundredth of its error a period under the usable torque.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept {
       const S a = usable_torque(setup.vehicle), J = smallest_inertia(setup.vehicle.J_B);
-      Params p;
-      p.l = S(1);
-      p.direction = Direction::command;
-      p.delay = setup.dt;
-      p.M.setConstant(S(0.1) / setup.dt * J);
-      p.H1 = S(0.01) / a * p.M;
-      p.H2.setZero();
-      p.u_exc = S(0.015) * a;
-      return p;
+      delay = setup.dt;
+      M.setConstant(S(0.1) / setup.dt * J);
+      H1 = S(0.01) / a * M;
+      u_exc = S(0.015) * a;
     }
   };
 
@@ -90,7 +85,7 @@ class LearningEffectivenessPrinted {
                               Status<S>::Code::unstable);
   }
 
-  LearningEffectivenessPrinted(const Setup<S>& setup, const Params& params) noexcept
+  LearningEffectivenessPrinted(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : params_(params),
         predict_(setup),
         past_(static_cast<int>(std::lround(params.delay / setup.dt)), healthy(setup.vehicle.actuators())) {}

@@ -30,15 +30,15 @@ class MixedLearningObserver {
   enum class Start : std::uint8_t { measured, zero };
 
   struct Params {
-    Mat3<S> K1 = Mat3<S>::Identity();
-    Mat3<S> K2 = Mat3<S>::Identity();
-    S sigma1 = S(0.1);
-    S sigma2 = S(0.9);
+    Mat3<S> K1;
+    Mat3<S> K2;
+    S sigma1;
+    S sigma2;
     S theta1 = S(0);
-    S theta2 = S(0.999);
+    S theta2 = S(0.9995);
     S width = S(0);
     int delay = 1;
-    S clamp = std::numeric_limits<S>::infinity();
+    S clamp;
     Start start = Start::measured;
 
     static constexpr void describe(auto& p, auto&& field) {
@@ -61,19 +61,16 @@ class MixedLearningObserver {
     /// The six design steps with P1 proportional to J J, which gives every axis a double pole at b = 1 / T with T of 33 periods
     /// or `observer_periods`: K2 = b^2 dt J, K1 = 2 b J; theta2 = 0.9995 from eps = 2.5e-4, sigma1 inside its condition. Clamped
     /// at twice the usable torque.
-    static Params defaults(const Setup<S>& setup) noexcept {
+    explicit Params(const Setup<S>& setup) noexcept {
       const Mat3<S>& J = setup.vehicle.J_B;
       const S b = S(1) / (observer_periods(setup, S(33)) * setup.dt);
-      Params p;
-      p.K2 = b * b * setup.dt * J;
-      p.K1 = S(2) * b * J;
-      p.theta2 = S(0.9995);
+      K2 = b * b * setup.dt * J;
+      K1 = S(2) * b * J;
       // (14) with the unit of rate in which K1 meets (11): sigma1 < Jmin / Jmax sqrt(4 sigma2 / (b dt (1 + 1 / eps + 1)))
       const S ratio = smallest_inertia(J) / largest_inertia(J);
-      p.sigma1 = std::min(S(0.1), S(0.9) * ratio * std::sqrt(S(3.6) / (b * setup.dt * S(4002))));
-      p.sigma2 = S(1) - p.sigma1;
-      p.clamp = S(2) * usable_torque(setup.vehicle);
-      return p;
+      sigma1 = std::min(S(0.1), S(0.9) * ratio * std::sqrt(S(3.6) / (b * setup.dt * S(4002))));
+      sigma2 = S(1) - sigma1;
+      clamp = S(2) * usable_torque(setup.vehicle);
     }
   };
 
@@ -82,7 +79,7 @@ class MixedLearningObserver {
     return needs_body_coordinates(setup) && learning_loop_is_stable(setup, p.K1, p.slope(), p.learning());
   }
 
-  MixedLearningObserver(const Setup<S>& setup, const Params& params) noexcept
+  MixedLearningObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         dt_(setup.dt),
         params_(params),

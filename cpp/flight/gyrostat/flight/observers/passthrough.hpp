@@ -14,12 +14,13 @@ class Passthrough {
   static constexpr bool axiswise = true;
 
   struct Params {
+    explicit Params(const Setup<S>&) noexcept {}
     static constexpr void describe(auto&, auto&&) {}
   };
 
   static Status<S> check(const Setup<S>&, const Params&) noexcept { return {}; }
 
-  explicit Passthrough(const Setup<S>&, const Params& = {}) noexcept {}
+  Passthrough(Unchecked, const Setup<S>&, const Params&) noexcept {}
 
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept { return Estimate<S>::healthy(y); }
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>&) noexcept {
