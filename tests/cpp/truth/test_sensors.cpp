@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "gyrostat/core/attitude.hpp"
+#include "gyrostat/truth/noise.hpp"
 #include "gyrostat/truth/sensors.hpp"
 
 namespace gyrostat::truth {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "gyrostat/truth/sensors.hpp"
 
-#include <Random123/philox.h>
-#include <Random123/boxmuller.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "gyrostat/core/attitude.hpp"
+#include "gyrostat/truth/noise.hpp"
 
 namespace gyrostat::truth {
 namespace {
@@ -26,14 +24,6 @@ void check_range(const char* name, double noise, double quantisation, int delay)
 bool active(const auto& fault, double t) noexcept { return t >= fault.t_on - 1e-9 && t < fault.t_off - 1e-9; }
 
 }  // namespace
-
-Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std::uint64_t stream, Tick tick) noexcept {
-  const r123::Philox4x64::ctr_type counter{{tick, stream, 0, 0}};
-  const r123::Philox4x64::key_type key{{seed, run}};
-  const r123::Philox4x64::ctr_type bits = r123::Philox4x64()(counter, key);
-  const r123::double2 a = r123::boxmuller(bits[0], bits[1]), b = r123::boxmuller(bits[2], bits[3]);
-  return {a.x, a.y, b.x};
-}
 
 template <class T>
 const T& Sensors::DelayLine<T>::through(const T& now) {
@@ -128,7 +118,7 @@ Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB) {
   Quat<double> q = attitudes_.through(q_NB);
   if (attitude_.noise > 0) {
     const Vec3<double> error_B = attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
-    q = q * quat_exp(error_B);
+    q = q * small_rotation(error_B);
   }
   if (attitude_.quantisation > 0) {
     for (double& element : q.coeffs()) element = quantised(element, attitude_.quantisation / 2);

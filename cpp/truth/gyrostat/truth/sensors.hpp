@@ -111,9 +111,6 @@ struct MomentumDropout {
 using Sensor =
     std::variant<Gyro, AttitudeSensor, RateBias, RateFreeze, RateScale, RateDropout, AttitudeDropout, MomentumDropout>;
 
-/// Three standard normal numbers of a stream at a tick.
-Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std::uint64_t stream, Tick tick) noexcept;
-
 class Sensors {
  public:
   /// A kind that is not in `sensors` is perfect.
