@@ -136,7 +136,6 @@ class Watcher {
         moment_(a.vehicles, plant),
         previous_(recorder != nullptr && recorder->needs_previous()) {
     moment_.u_held = VecN<double>::Zero(a.setup.vehicle.actuators());
-    moment_.before = plant.sample();
   }
 
   void before(const Measurement<double>&, const Allocation<double>& last) {
@@ -162,7 +161,7 @@ class Watcher {
       moment_.last = &stack_.last();
       recorder_->record(moment_);
     }
-    if (previous_) moment_.before = moment_.now();
+    if (previous_) moment_.before = moment_.now;
     clock_.look(k);
   }
 
