@@ -87,30 +87,31 @@ TEST(ClosedLoop, IsTheSameForAStaticStack) {
 /// A plant of one's own: a turntable, free about z alone.
 class Turntable {
  public:
-  Turntable(const Assembly& a, double angle) : a_(a), angle_(angle) {}
+  Turntable(const Assembly& a, double angle) : a_(a), angle_(angle) { state_.q_NB = quat_exp<double>({0, 0, angle}); }
 
-  double time() const noexcept { return static_cast<double>(tick_) * a_.setup.dt; }
+  double time() const noexcept { return state_.t; }
   Measurement<double> measure(truth::Sensors& sensors) const {
-    return sensors.measure(tick_, attitude(), rate(), VecN<double>::Zero(4));
+    return sensors.measure(tick_, state_.q_NB, state_.omega_BN_B, VecN<double>::Zero(4));
   }
   void advance(const VecN<double>& u) {
     const double dt = a_.setup.dt, turn = a_.setup.vehicle.D_B.row(2).dot(u) / a_.setup.vehicle.J_B(2, 2);
-    angle_ += dt * (rate_ + 0.5 * dt * turn);
-    rate_ += dt * turn;
-    ++tick_;
+    angle_ += dt * (state_.omega_BN_B[2] + 0.5 * dt * turn);
+    state_.omega_BN_B[2] += dt * turn;
+    state_.q_NB = quat_exp<double>({0, 0, angle_});
+    state_.t = static_cast<double>(++tick_) * dt;
   }
-  truth::TruthSample sample() const { return {.t = time(), .q_NB = attitude(), .omega_BN_B = rate()}; }
+  const truth::TruthState& state() const noexcept { return state_; }
+  truth::TruthSample sample() const { return {state_, {}, {}, {}, {}, {}}; }
+  EulerState<double> euler() const { return {{0, 0, angle_}, state_.omega_BN_B}; }
   truth::IntegratorStatistics statistics() const { return {}; }
   truth::InnerRates inner_rates() const { return {}; }
   static Vec3<double> angle_difference(const Vec3<double>& a, const Vec3<double>& b) { return a - b; }
 
  private:
-  Quat<double> attitude() const { return quat_exp<double>({0, 0, angle_}); }
-  Vec3<double> rate() const { return {0, 0, rate_}; }
-
   const Assembly& a_;
-  double angle_, rate_ = 0;
+  double angle_;
   Tick tick_ = 0;
+  truth::TruthState state_;
 };
 
 TEST(ClosedLoop, FliesAPlantOfOnesOwn) {
@@ -120,7 +121,7 @@ TEST(ClosedLoop, FliesAPlantOfOnesOwn) {
   ReferencePath reference(a.reference, a.setup.dt);
   Stack stack = make_stack(a, {});
   EXPECT_EQ(fly(plant, sensors, reference, stack, a.ticks).code, RunEnd::Code::completed);
-  EXPECT_LT(rotation_angle(plant.sample().q_NB), 1e-3);  // there is no disturbance about z; the law regulates
+  EXPECT_LT(rotation_angle(plant.state().q_NB), 1e-3);  // there is no disturbance about z; the law regulates
 }
 
 // Faults that switch between samples: RK4 in 2.5 ms steps errs by less than 1e-12 here and CVODE at rtol 1e-12 by less

@@ -126,7 +126,8 @@ TEST(FaultContract, EveryKindThatDecidesTheOutputLeavesNothingOfTheOthers) {
   EveryKind<Fault>::each([&]<class F>() {
     Effect e{0.3, 0.2, 0.1};
     with<F>(0.5).apply(e, {2, 2, limits, 0.123});
-    if (F::decides_output) EXPECT_TRUE(e.effectiveness == 0 && e.dead_zone == 0 && e.bias != 0.2) << F::name;
+    const bool alone = e.effectiveness == 0 && e.dead_zone == 0 && e.bias != 0.2;
+    EXPECT_EQ(alone, F::decides_output) << F::name;
   });
 }
 

@@ -25,29 +25,29 @@ void put(const Quat<double>& q, double* out) {
 void put(double x, double* out) { *out = x; }
 
 /// What the nominal model knows of the motion without commands.
-Vec3<double> known_of(const Moment& m, const truth::TruthSample& s) {
-  return known_torque<double>(m.vehicles.nominal, s.euler.angles, s.omega_BN_B, s.h_w);
+Vec3<double> known_of(const Moment& m, const truth::TruthState& s) {
+  return known_torque<double>(m.vehicles.nominal, s.angles, s.omega_BN_B, s.h_w);
 }
 
 Vec3<double> lumped(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
-  return v.J_B * m.now().omegadot_BN_B - known_of(m, m.now()) - torque<double>(v.D_B, m.u_held);
+  return v.J_B * m.truth().omegadot_BN_B - known_of(m, m.now) - torque<double>(v.D_B, m.u_held);
 }
 
 /// Interval mean; what is known by the trapezoid.
 Vec3<double> lumped_mean(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
-  const Vec3<double> mean = 0.5 * (known_of(m, m.now()) + known_of(m, m.before));
-  return v.J_B * (m.omega_BN_B - m.before.omega_BN_B) / m.vehicles.dt - mean - torque<double>(v.D_B, m.u_held);
+  const Vec3<double> mean = 0.5 * (known_of(m, m.now) + known_of(m, m.before));
+  return v.J_B * (m.now.omega_BN_B - m.before.omega_BN_B) / m.vehicles.dt - mean - torque<double>(v.D_B, m.u_held);
 }
 
 AttitudeError<double> error_of(const Moment& m) {
-  return attitude_error(m.q_NB, m.omega_BN_B, m.ref->q_NR, m.ref->omega_RN_R);
+  return attitude_error(m.now.q_NB, m.now.omega_BN_B, m.ref->q_NR, m.ref->omega_RN_R);
 }
 
 /// What most runs measure at every sample: of unit quaternions, without the rest of attitude_error.
 double pointing_error(const Moment& m) {
-  const Quat<double> q_RB = m.ref->q_NR.conjugate() * m.q_NB;
+  const Quat<double> q_RB = m.ref->q_NR.conjugate() * m.now.q_NB;
   return 2 * std::atan2(q_RB.vec().norm(), std::abs(q_RB.w()));
 }
 
@@ -63,37 +63,37 @@ struct Known {
 
 using M = const Moment&;
 const Known known[] = {
-    {"truth.q_NB", 4, "", "attitude, scalar first", [](M m, double* o) { put(m.q_NB, o); }, true},
-    {"truth.omega_BN_B", 3, "rad/s", "body rate", [](M m, double* o) { put(m.omega_BN_B, o); }, true},
+    {"truth.q_NB", 4, "", "attitude, scalar first", [](M m, double* o) { put(m.now.q_NB, o); }, true},
+    {"truth.omega_BN_B", 3, "rad/s", "body rate", [](M m, double* o) { put(m.now.omega_BN_B, o); }, true},
     {"truth.mrp", 3, "", "attitude as MRP of the short way, |sigma| <= 1",
-     [](M m, double* o) { put(mrp(short_way(m.q_NB)), o); }},
-    {"truth.euler", 3, "rad", "roll, pitch, yaw", [](M m, double* o) { put(m.now().euler.angles, o); }},
-    {"truth.euler_rates", 3, "rad/s", "rates of roll, pitch, yaw", [](M m, double* o) { put(m.now().euler.rates, o); }},
+     [](M m, double* o) { put(mrp(short_way(m.now.q_NB)), o); }},
+    {"truth.euler", 3, "rad", "roll, pitch, yaw", [](M m, double* o) { put(m.euler().angles, o); }},
+    {"truth.euler_rates", 3, "rad/s", "rates of roll, pitch, yaw", [](M m, double* o) { put(m.euler().rates, o); }},
     {"truth.h_w", per_actuator, "N m s", "axial wheel momentum in inertial space",
-     [](M m, double* o) { put(m.h_w, o); }},
+     [](M m, double* o) { put(m.now.h_w, o); }},
     {"truth.delivered", per_actuator, "N m", "torque on the body that the actuators gave",
-     [](M m, double* o) { put(m.now().delivered, o); }, true},
+     [](M m, double* o) { put(m.truth().delivered, o); }, true},
     {"truth.effectiveness", per_actuator, "", "true effectiveness",
-     [](M m, double* o) { put(m.now().effectiveness, o); }, true},
-    {"truth.bias", per_actuator, "N m", "true additive fault", [](M m, double* o) { put(m.now().bias, o); }},
-    {"truth.external_B", 3, "N m", "disturbance torque", [](M m, double* o) { put(m.now().external_B, o); }},
-    {"truth.omegadot_BN_B", 3, "rad/s^2", "body acceleration", [](M m, double* o) { put(m.now().omegadot_BN_B, o); }},
+     [](M m, double* o) { put(m.truth().effectiveness, o); }, true},
+    {"truth.bias", per_actuator, "N m", "true additive fault", [](M m, double* o) { put(m.truth().bias, o); }},
+    {"truth.external_B", 3, "N m", "disturbance torque", [](M m, double* o) { put(m.truth().external_B, o); }},
+    {"truth.omegadot_BN_B", 3, "rad/s^2", "body acceleration", [](M m, double* o) { put(m.truth().omegadot_BN_B, o); }},
     {"truth.fault_B", 3, "N m", "D_true (delivered - u)",
-     [](M m, double* o) { put(torque<double>(m.vehicles.D_true_B, m.now().delivered - m.u_held), o); }, false, true},
+     [](M m, double* o) { put(torque<double>(m.vehicles.D_true_B, m.truth().delivered - m.u_held), o); }, false, true},
     {"truth.lumped_B", 3, "N m", "J w' + w x (J w + D h_w) - D u, nominal J and D",
      [](M m, double* o) { put(lumped(m), o); }, false, true},
     {"truth.lumped_mean_B", 3, "N m", "mean of lumped_B over the interval",
      [](M m, double* o) { put(lumped_mean(m), o); }, false, true},
-    {"error.angle", 1, "rad", "angle between body and reference", [](M m, double* o) { put(pointing_error(m), o); },
-     true},
+    {"error.angle", 1, "rad", "angle between body and reference",
+     [](M m, double* o) { put(pointing_error(m), o); }, true},
     {"error.mrp", 3, "", "MRP of the body relative to the reference, short way",
      [](M m, double* o) { put(mrp(short_way(error_of(m).q_RB)), o); }},
     {"error.omega_BR_B", 3, "rad/s", "body rate relative to the reference",
      [](M m, double* o) { put(error_of(m).omega_BR_B, o); }},
     {"error.euler", 3, "rad", "roll, pitch, yaw less those of the reference",
-     [](M m, double* o) { put(m.angle_difference(m.now().euler.angles, m.ref->euler.angles), o); }},
+     [](M m, double* o) { put(m.angle_difference(m.euler().angles, m.ref->euler.angles), o); }},
     {"error.euler_rates", 3, "rad/s", "rates of roll, pitch, yaw less those of the reference",
-     [](M m, double* o) { put(Vec3<double>(m.now().euler.rates - m.ref->euler.rates), o); }},
+     [](M m, double* o) { put(Vec3<double>(m.euler().rates - m.ref->euler.rates), o); }},
     {"measurement.q_NB", 4, "", "measured attitude", [](M m, double* o) { put(m.y->q_NB, o); }},
     {"measurement.omega_BN_B", 3, "rad/s", "measured rate", [](M m, double* o) { put(m.y->omega_BN_B, o); }},
     {"measurement.h_w", per_actuator, "N m s", "measured wheel momentum", [](M m, double* o) { put(m.y->h_w, o); }},

@@ -33,23 +33,23 @@ class Moment {
   template <truth::Plant Plant>
   Moment(const Vehicles& vehicles_in, const Plant& plant)
       : vehicles(vehicles_in),
-        q_NB(plant.q_NB()),
-        omega_BN_B(plant.omega_BN_B()),
-        h_w(plant.h_w()),
+        now(plant.state()),
+        before(now),
         angle_difference(&Plant::angle_difference),
         plant_(&plant),
-        sample_of_([](const void* p) { return static_cast<const Plant*>(p)->sample(); }) {}
+        sample_of_([](const void* p) { return static_cast<const Plant*>(p)->sample(); }),
+        euler_of_([](const void* p) { return static_cast<const Plant*>(p)->euler(); }) {}
 
-  /// The whole truth; sampled when the first channel asks.
-  const truth::TruthSample& now() const {
-    if (!now_) now_ = sample_of_(plant_);
-    return *now_;
+  /// All of the truth; sampled when the first channel asks.
+  const truth::TruthSample& truth() const {
+    if (!sample_) sample_ = sample_of_(plant_);
+    return *sample_;
   }
+  EulerState<double> euler() const { return euler_of_(plant_); }
 
   const Vehicles& vehicles;
-  const Quat<double>& q_NB;  ///< the true state, which costs nothing to look at
-  const Vec3<double>& omega_BN_B;
-  const VecN<double>& h_w;
+  const truth::TruthState& now;
+  truth::TruthState before;  ///< one sample ago; for channels that compare with it
   Vec3<double> (*angle_difference)(const Vec3<double>&, const Vec3<double>&);  ///< of roll, pitch, yaw of this plant
   double t = 0;
   const Measurement<double>* y = nullptr;
@@ -58,19 +58,19 @@ class Moment {
   const Detection<double>* det = nullptr;
   const Demand<double>* demand = nullptr;
   const Allocation<double>* last = nullptr;
-  VecN<double> u_held;        ///< command over the interval just ended
-  truth::TruthSample before;  ///< one sample ago; for channels that compare with it
+  VecN<double> u_held;  ///< command over the interval just ended
 
   /// A new sample: forget what was computed for the one before.
   void advance(double time) {
     t = time;
-    now_.reset();
+    sample_.reset();
   }
 
  private:
   const void* plant_;
   truth::TruthSample (*sample_of_)(const void*);
-  mutable std::optional<truth::TruthSample> now_;
+  EulerState<double> (*euler_of_)(const void*);
+  mutable std::optional<truth::TruthSample> sample_;
 };
 
 /// A component whose telemetry may be recorded, under its role's name ("observer", "shadow0.detector").

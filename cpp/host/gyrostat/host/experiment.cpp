@@ -71,7 +71,7 @@ class Measuring {
       if (m.column >= 0) x = x.subspan(static_cast<std::size_t>(m.column), 1);
       std::visit([&](auto& metric) { metric.add(t, x); }, m.metric);
     }
-    moments_.after(t);
+    moments_.after();
   }
 
  private:

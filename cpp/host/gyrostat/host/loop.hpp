@@ -52,7 +52,7 @@ RunEnd fly(Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stac
       end.time = plant.time();
       watcher.after(k, y, ref);
       if (stack.last().status.has(Flag::singular)) {
-        const double pitch_deg = plant.sample().euler.angles[1] * 57.295779513082320877;
+        const double pitch_deg = plant.euler().angles[1] * 57.295779513082320877;
         end.code = RunEnd::Code::singular;
         end.cause = "Euler angles are singular: pitch " + std::to_string(pitch_deg) +
                     " deg at t = " + std::to_string(end.time) + " s";

@@ -47,7 +47,6 @@ class Moments {
   Moments(const Assembly& a, const Plant& plant, const Stack& stack, bool previous)
       : moment_(a.vehicles, plant), previous_(previous) {
     moment_.u_held = VecN<double>::Zero(a.setup.vehicle.actuators());
-    moment_.before = plant.sample();
     moment_.x = &stack.estimate();
     moment_.det = &stack.detection();
     moment_.demand = &stack.demand();
@@ -65,10 +64,8 @@ class Moments {
     return moment_;
   }
   /// The sample is over.
-  void after(double t) {
-    if (!previous_) return;
-    if (moment_.t != t) moment_.advance(t);
-    moment_.before = moment_.now();
+  void after() {
+    if (previous_) moment_.before = moment_.now;
   }
 
  private:

@@ -142,7 +142,7 @@ class Watcher {
     events_.look(plant_.time(), parts_.stack.detection(), ref, parts_.stack.actions());
     if (recorder_ != nullptr && (k % every_ == 0 || k == ticks_))
       recorder_->record(moments_.now(plant_.time(), y, ref));
-    moments_.after(plant_.time());
+    moments_.after();
     clock_.look(k);
   }
 

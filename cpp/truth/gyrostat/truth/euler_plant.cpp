@@ -91,18 +91,19 @@ double EulerPlant::fly_piece(double t1) {
 }
 
 void EulerPlant::publish() {
-  q_NB_ = quat_from_euler<double>(angles());
+  state_.angles = {y_[0], y_[1], y_[2]};
+  state_.q_NB = quat_from_euler<double>(state_.angles);
   Vec3<double> Jw{y_[4], y_[5], y_[6]};
   for (int i = 0; i < actuators_.size(); ++i) Jw -= stored(i) * D_B_.col(i);
-  omega_BN_B_ = J_B_inverse_ * Jw;
+  state_.omega_BN_B = J_B_inverse_ * Jw;
 }
 
 Measurement<double> EulerPlant::measure(Sensors& sensors) const {
   Measurement<double> y;
   y.tick = tick();
-  y.h_w = h_w_;
-  y.omega_BN_B = y.euler.rates = sensors.rate(tick(), omega_BN_B_);
-  y.euler.angles = sensors.angles(tick(), angles());
+  y.h_w = state_.h_w;
+  y.omega_BN_B = y.euler.rates = sensors.rate(tick(), state_.omega_BN_B);
+  y.euler.angles = sensors.angles(tick(), state_.angles);
   y.q_NB = quat_from_euler(y.euler.angles);
   sensors.drop_out(y);
   return y;
@@ -110,9 +111,8 @@ Measurement<double> EulerPlant::measure(Sensors& sensors) const {
 
 TruthSample EulerPlant::sample() const {
   TruthSample s = sampled();
-  s.euler = {angles(), omega_BN_B_};
   const Vec3<double> moment = torque<double>(D_B_, s.delivered) + s.external_B;
-  s.omegadot_BN_B = body_.acceleration(angles(), omega_BN_B_) + J_B_inverse_ * moment;
+  s.omegadot_BN_B = body_.acceleration(state_.angles, state_.omega_BN_B) + J_B_inverse_ * moment;
   return s;
 }
 

@@ -43,13 +43,13 @@ class EulerPlant final : public HeldPlant {
   /// The gyro shows the Euler rates, the attitude sensor's error adds to the angles.
   Measurement<double> measure(Sensors& sensors) const;
   TruthSample sample() const;
+  EulerState<double> euler() const noexcept { return {state_.angles, state_.omega_BN_B}; }
   /// Angles are states.
   static Vec3<double> angle_difference(const Vec3<double>& a, const Vec3<double>& b) noexcept { return a - b; }
 
  private:
   double fly_piece(double t1) override;
   void publish() override;
-  Vec3<double> angles() const noexcept { return {y_[0], y_[1], y_[2]}; }
 
   EulerBody body_;
 };

@@ -48,7 +48,7 @@ HeldPlant::HeldPlant(PlantModel& model, const InitialState& initial, double dt, 
   stored_ = initial.h_w.size() == 0 ? VecN<double>::Zero(n) : initial.h_w;
   detail::refuse_if(stored_.size() != n || !stored_.allFinite(),
                     "plant: h_w must be finite, with one element an actuator");
-  stored_rest_ = h_w_ = VecN<double>::Zero(n);
+  stored_rest_ = state_.h_w = VecN<double>::Zero(n);
   held_.J_B_inverse = J_B_inverse_;
   inverse_inertia_ = J_B_inverse_.norm();
   if (const auto* cvode = std::get_if<Cvode>(&model.integrator)) {
@@ -66,7 +66,7 @@ HeldPlant::HeldPlant(PlantModel& model, const InitialState& initial, double dt, 
 void HeldPlant::begin(const Vec3<double>& omega_BN_B) {
   held_.leaves = !outer_.any() ? Held::Leaves::nothing : outer_ == along_ ? Held::Leaves::all : Held::Leaves::some;
   publish();
-  omega_BN_B_ = omega_BN_B;
+  state_.omega_BN_B = omega_BN_B;
   enter_piece();
 }
 
@@ -98,6 +98,7 @@ void HeldPlant::advance_to(const VecN<double>& u, double t_end) {
     }
   }
   publish();
+  state_.t = t_;
   tick_ = static_cast<Tick>(std::floor((t_ + snap) / dt_));
 }
 
@@ -114,9 +115,9 @@ void HeldPlant::enter_piece() {
   const double branch = 0.5 * (from + (std::isfinite(piece_end_) ? piece_end_ : from + dt_));
   actuators_.enter(t_, branch);
 
-  const Vec3<double> before_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
+  const Vec3<double> before_B = external_.torque_B(t_, state_.q_NB, state_.omega_BN_B);
   external_.enter(branch);
-  const Vec3<double> after_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
+  const Vec3<double> after_B = external_.torque_B(t_, state_.q_NB, state_.omega_BN_B);
   const double rounding = 1e-13 * (before_B.norm() + after_B.norm());
   if ((after_B - before_B).norm() > rounding) restart_ = true;
 }
@@ -247,9 +248,9 @@ void HeldPlant::take_up_storage(double x) noexcept {
 
 InnerRates HeldPlant::inner_rates() const noexcept {
   Vec3<double> held{y_[4], y_[5], y_[6]};
-  if (outer_.any()) held = J_B_ * omega_BN_B_ + torque<double>(D_B_, h_w_);
+  if (outer_.any()) held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w);
   const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
-  return {std::sqrt(2 * (omega_BN_B_.squaredNorm() + precession2)), friction_rate_};
+  return {std::sqrt(2 * (state_.omega_BN_B.squaredNorm() + precession2)), friction_rate_};
 }
 
 /// Steps on this length so that none is longer than rk4 may take them.
@@ -284,10 +285,7 @@ IntegratorStatistics HeldPlant::statistics() const {
 TruthSample HeldPlant::sampled() const {
   const int n = actuators_.size();
   TruthSample s;
-  s.t = t_;
-  s.q_NB = q_NB_;
-  s.omega_BN_B = omega_BN_B_;
-  s.h_w = h_w_;
+  static_cast<TruthState&>(s) = state_;
   s.delivered = s.bias = VecN<double>::Zero(n);
   s.effectiveness = VecN<double>::Ones(n);
   for (int i = 0; i < n && commanded_; ++i) {
@@ -296,7 +294,7 @@ TruthSample HeldPlant::sampled() const {
     s.bias[i] = e.bias;
     s.delivered[i] = actuators_.delivered(i, t_);
   }
-  s.external_B = external_.torque_B(t_, q_NB_, omega_BN_B_);
+  s.external_B = external_.torque_B(t_, state_.q_NB, state_.omega_BN_B);
   return s;
 }
 

@@ -48,9 +48,10 @@ class HeldPlant {
 
   Tick tick() const noexcept { return tick_; }
   double time() const noexcept { return t_; }
-  const Quat<double>& q_NB() const noexcept { return q_NB_; }  ///< unit, sign continuous
-  const Vec3<double>& omega_BN_B() const noexcept { return omega_BN_B_; }
-  const VecN<double>& h_w() const noexcept { return h_w_; }  ///< zero for torquers
+  const TruthState& state() const noexcept { return state_; }
+  const Quat<double>& q_NB() const noexcept { return state_.q_NB; }  ///< unit, sign continuous
+  const Vec3<double>& omega_BN_B() const noexcept { return state_.omega_BN_B; }
+  const VecN<double>& h_w() const noexcept { return state_.h_w; }  ///< zero for torquers
   IntegratorStatistics statistics() const;
   InnerRates inner_rates() const noexcept;
 
@@ -66,12 +67,12 @@ class HeldPlant {
 
   /// Flies the piece from t_ to t1 whose drives are fitted, or as far as it stays what it is; returns the time reached.
   virtual double fly_piece(double t1) = 0;
-  /// q_NB_, omega_BN_B_ and h_w_ of the state.
+  /// state_ of y_, but for the time.
   virtual void publish() = 0;
   /// Once the state is set.
   void begin(const Vec3<double>& omega_BN_B);
 
-  /// The sample without acceleration and Euler angles; delivered without what bearings do.
+  /// The sample without acceleration; delivered without what bearings do.
   TruthSample sampled() const;
   /// Polynomials of the piece, of what goes along fixed axes.
   void hold() noexcept;
@@ -114,9 +115,7 @@ class HeldPlant {
   Held held_;
   IntegratorStatistics statistics_;
 
-  Quat<double> q_NB_;
-  Vec3<double> omega_BN_B_;
-  VecN<double> h_w_;
+  TruthState state_;
 
  private:
   std::uint64_t steps() const noexcept { return cvode_ ? cvode_->steps() : statistics_.steps; }

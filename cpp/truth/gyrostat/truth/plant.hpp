@@ -31,15 +31,19 @@ struct InitialState {
   Vec3<double> euler = Vec3<double>::Zero();  ///< rad, roll, pitch, yaw; read by the Euler-angle model, instead of q_NB
 };
 
-/// The truth at one time, one-sided: faults and command are those of the interval that just ended. Before the first
-/// one nothing is commanded or delivered.
-struct TruthSample {
+/// Where the truth is.
+struct TruthState {
   double t = 0;  ///< s
   Quat<double> q_NB = Quat<double>::Identity();
-  Vec3<double> omega_BN_B = Vec3<double>::Zero();     ///< rad/s
+  Vec3<double> omega_BN_B = Vec3<double>::Zero();  ///< rad/s
+  VecN<double> h_w;                                ///< N m s
+  Vec3<double> angles = Vec3<double>::Zero();  ///< rad, roll, pitch, yaw of a plant whose states they are; else zero
+};
+
+/// The truth at one time, one-sided: faults and command are those of the interval that just ended. Before the first
+/// one nothing is commanded or delivered.
+struct TruthSample : TruthState {
   Vec3<double> omegadot_BN_B = Vec3<double>::Zero();  ///< rad/s^2
-  EulerState<double> euler;                           ///< roll, pitch, yaw and their rates
-  VecN<double> h_w;                                   ///< N m s
   VecN<double> delivered;      ///< N m on the body along each axis, limits and friction included: h_w' = -delivered
   VecN<double> effectiveness;  ///< of the faults
   VecN<double> bias;           ///< N m, of the faults
@@ -69,15 +73,12 @@ concept Plant = requires(P p, const P& c, Sensors& sensors, const VecN<double>& 
   { c.time() } noexcept -> std::same_as<double>;                // s
   { c.measure(sensors) } -> std::same_as<Measurement<double>>;  // what they show of it at this sample
   p.advance(u);                                                 // holds u (N m) to the next sample
-  { c.q_NB() } noexcept -> std::same_as<const Quat<double>&>;
-  { c.omega_BN_B() } noexcept -> std::same_as<const Vec3<double>&>;  // or Euler rates
-  { c.h_w() } noexcept -> std::same_as<const VecN<double>&>;
+  { c.state() } noexcept -> std::same_as<const TruthState&>;
   { c.sample() } -> std::same_as<TruthSample>;
+  { c.euler() } -> std::same_as<EulerState<double>>;                      // roll, pitch, yaw and their rates
+  { P::angle_difference(angles, angles) } -> std::same_as<Vec3<double>>;  // of these: up to full turns, or not
   { c.statistics() } -> std::same_as<IntegratorStatistics>;
   { c.inner_rates() } -> std::same_as<InnerRates>;
-  {
-    P::angle_difference(angles, angles)
-  } -> std::same_as<Vec3<double>>;  // of roll, pitch, yaw; up to full turns, or not
 };
 
 }  // namespace gyrostat::truth

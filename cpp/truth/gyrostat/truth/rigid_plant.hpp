@@ -16,8 +16,11 @@ class RigidPlantOf final : public HeldPlant {
   RigidPlantOf(PlantModel model, const InitialState& initial, double dt, List others = {})
       : RigidPlantOf(all_effectors(model, std::move(others)), model, initial, dt) {}
 
-  Measurement<double> measure(Sensors& sensors) const { return sensors.measure(tick(), q_NB_, omega_BN_B_, h_w_); }
+  Measurement<double> measure(Sensors& sensors) const {
+    return sensors.measure(tick(), state_.q_NB, state_.omega_BN_B, state_.h_w);
+  }
   TruthSample sample() const;
+  EulerState<double> euler() const noexcept;
   /// Known up to full turns.
   static Vec3<double> angle_difference(const Vec3<double>& a, const Vec3<double>& b) noexcept;
 

@@ -244,18 +244,18 @@ Rhs RigidPlantOf<List>::rhs_of_effectors() const noexcept {
 
 template <class List>
 void RigidPlantOf<List>::publish() {
-  q_NB_ = Quat<double>(y_[0], y_[1], y_[2], y_[3]).normalized();
+  state_.q_NB = Quat<double>(y_[0], y_[1], y_[2], y_[3]).normalized();
   Vec3<double> Jw{y_[4], y_[5], y_[6]};
   for (int i = 0; i < actuators_.size(); ++i) {
     const double h = momentum(i);
     if (along_.test(i)) Jw -= h * D_B_.col(i);
-    if (is_wheel(i)) h_w_[i] = h;
+    if (is_wheel(i)) state_.h_w[i] = h;
   }
-  if constexpr (has_others) Jw -= others({t_, q_NB_, omega_BN_B_}, y_, driven_now()).momentum_B;
-  omega_BN_B_ = held_.J_B_inverse * Jw;
+  if constexpr (has_others) Jw -= others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now()).momentum_B;
+  state_.omega_BN_B = held_.J_B_inverse * Jw;
   if (!standing_.any()) return;
   for (int i = 0; i < actuators_.size(); ++i) {
-    if (standing_.test(i)) h_w_[i] = wheel(i).turned_momentum(omega_BN_B_);
+    if (standing_.test(i)) state_.h_w[i] = wheel(i).turned_momentum(state_.omega_BN_B);
   }
 }
 
@@ -267,28 +267,33 @@ Vec3<double> RigidPlantOf<List>::angle_difference(const Vec3<double>& a, const V
 }
 
 template <class List>
+EulerState<double> RigidPlantOf<List>::euler() const noexcept {
+  const Vec3<double> angles = gyrostat::euler(state_.q_NB);
+  return {angles, euler_rates(angles, state_.omega_BN_B)};
+}
+
+template <class List>
 TruthSample RigidPlantOf<List>::sample() const {
   const int n = actuators_.size();
   TruthSample s = sampled();
-  s.euler.angles = euler(q_NB_);
-  s.euler.rates = euler_rates(s.euler.angles, omega_BN_B_);
   for (int i = 0; i < n && commanded_; ++i) {
     if (!turning(i)) {
       s.delivered[i] = 0;
     } else if (is_wheel(i)) {
-      s.delivered[i] += friction(i, wheel(i).speed(h_w_[i], omega_BN_B_));
+      s.delivered[i] += friction(i, wheel(i).speed(state_.h_w[i], state_.omega_BN_B));
     }
   }
-  Vec3<double> rotating = J_B_ * omega_BN_B_ + torque<double>(D_B_, h_w_), along = torque<double>(D_B_, s.delivered);
+  Vec3<double> rotating = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w),
+               along = torque<double>(D_B_, s.delivered);
   if constexpr (has_others) {
     for (int i = 0; i < n; ++i) {
       if (!along_.test(i)) along -= s.delivered[i] * D_B_.col(i);
     }
-    const Others more = others({t_, q_NB_, omega_BN_B_}, y_, driven_now());
+    const Others more = others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now());
     rotating += more.turning_B;
     along += more.torque_B;
   }
-  const Vec3<double> moment = along + s.external_B - omega_BN_B_.cross(rotating);
+  const Vec3<double> moment = along + s.external_B - state_.omega_BN_B.cross(rotating);
   s.omegadot_BN_B = held_.J_B_inverse * moment;
   for (int i = 0; i < n && commanded_; ++i) {
     if (standing_.test(i)) s.delivered[i] = -wheel(i).turned_momentum(s.omegadot_BN_B);
@@ -359,7 +364,7 @@ double RigidPlantOf<List>::inward(int i, int side, double drive, double speed) c
 /// bearing, has exactly the momentum of the limit or of the body; what it held otherwise is stored when it turns again.
 template <class List>
 void RigidPlantOf<List>::settle_wheels() noexcept {
-  const Vec3<double> w = looks_ahead_ ? rate(0, y_) : omega_BN_B_;
+  const Vec3<double> w = looks_ahead_ ? rate(0, y_) : state_.omega_BN_B;
   const bool stood = standing_.any();
   for (int i = 0; i < actuators_.size(); ++i) {
     if (!watched_.test(i)) continue;
@@ -438,7 +443,7 @@ void RigidPlantOf<List>::store(int i, double momentum) noexcept {
 template <class List>
 auto RigidPlantOf<List>::passed(double t, const State& y) const noexcept -> Passed {
   const double x = (t - t_) / length_;
-  const Vec3<double> w = looks_ahead_ ? rate(x, y) : omega_BN_B_;
+  const Vec3<double> w = looks_ahead_ ? rate(x, y) : state_.omega_BN_B;
   Vec3<double> turn = Vec3<double>::Zero();
   if (standing_.any()) turn = held_.J_B_inverse * moment(x, y, w);
   Passed out;
