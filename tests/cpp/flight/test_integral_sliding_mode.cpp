@@ -166,6 +166,23 @@ TEST(IntegralSlidingMode, PrintedSignSwitchesTheWholeGainWhichStillFallsInsideEp
   EXPECT_NEAR(demand.tau_B[1], gain, 1e-9);
 }
 
+TEST(IntegralSlidingMode, AJumpOfTheStateLeavesTheSurfaceWhereItWas) {
+  const auto setup = li2018::setup(0.25, 0.01);
+  Law law(setup, li2018::controller<double>());
+  Estimate<double> x = Estimate<double>::healthy(tilted(setup).measured<double>(0));
+  const Allocation<double> last = Allocation<double>::idle(static_cast<int>(x.h_w.size()));
+  (void)law.start(x, {}, {});
+  for (int k = 0; k < 10; ++k) (void)law.step(x, {}, {}, last);
+  const std::vector<double> s = telemetry_of(law).at("s");
+  EXPECT_GT(largest(law, "s"), 1e-6) << "nothing turned it, as the law had asked for";
+  x.omega_BN_B += Vec3<double>(1, -2, 3);
+  ++x.event;
+  (void)law.step(x, {}, {}, last);
+  EXPECT_EQ(telemetry_of(law).at("s"), s);
+  (void)law.step(x, {}, {}, last);
+  EXPECT_NE(telemetry_of(law).at("s"), s) << "it goes on";
+}
+
 TEST(IntegralSlidingMode, RestartForgetsTheIntegral) {
   const auto setup = li2018::setup(0.25, 0.01);
   auto stack = stack_with(setup, li2018::controller<double>());

@@ -147,6 +147,28 @@ TYPED_TEST(MixedLearningLaws, WithoutItsPowersTheTerminalLawIsTheLinearOne) {
   }
 }
 
+TYPED_TEST(MixedLearningLaws, AJumpOfTheStateTeachesNothing) {
+  using S = TypeParam;
+  const Setup<S> setup = ftc_4rw<S>();
+  const auto expect = [&](auto law) {
+    const Detection<S> det = Detection<S>::none(setup.vehicle);
+    const Allocation<S> last = Allocation<S>::idle(4);
+    Random random(8);
+    Estimate<S> x = some_estimate<S>(random);
+    static_cast<void>(law.start(x, det, {}));
+    for (int k = 0; k < 20; ++k) static_cast<void>(law.step(x, det, {}, last));
+    const std::vector<double> learnt = telemetry_of(law).at("learnt");
+    x.omega_BN_B += Vec3<S>(S(0.3), S(-0.2), S(0.1));
+    ++x.event;
+    static_cast<void>(law.step(x, det, {}, last));
+    EXPECT_EQ(telemetry_of(law).at("learnt"), learnt);
+    static_cast<void>(law.step(x, det, {}, last));
+    EXPECT_NE(telemetry_of(law).at("learnt"), learnt) << "it goes on";
+  };
+  expect(MixedLearningSlidingMode<S>(setup, MixedLearningSlidingMode<S>::Params::defaults(setup)));
+  expect(MixedLearningTerminalSlidingMode<S>(setup, MixedLearningTerminalSlidingMode<S>::Params::defaults(setup)));
+}
+
 TEST(SlidingMode, TheNetworkIsTheOneOfItsPage) {
   const auto setup = ftc_4rw<double>();
   SlidingMode<double>::Params p(setup);

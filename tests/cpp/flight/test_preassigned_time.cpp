@@ -351,6 +351,25 @@ TEST(PreassignedTime, ANewTargetHasAllOfTheTimeAgain) {
   EXPECT_NEAR(telemetry_of(law)["p"][0], -0.3, 1e-12);
 }
 
+/// No motion led there, so no torque has fallen short; a kept T is kept all the same.
+TEST(PreassignedTime, AJumpOfTheStateHasAllOfTheTimeAgainUnlessTIsKept) {
+  for (const double stretch : {10.0, 0.0}) {
+    auto p = gains(5);
+    p.stretch = stretch;
+    Law law(ftc_4rw<double>(), p);
+    Estimate<double> x = state(4);
+    const Allocation<double> last = Allocation<double>::idle(4);
+    (void)law.start(x, {}, {});
+    for (int k = 0; k < 10; ++k) (void)law.step(x, {}, {}, last);
+    x.q_NB = quat_from_euler<double>({0.3, 0, 0});
+    ++x.event;
+    (void)law.step(x, {}, {}, last);
+    EXPECT_NEAR(telemetry_of(law)["T_left"][0], stretch > 0 ? 5 : 4.89, 1e-12);
+    if (stretch == 0) continue;
+    EXPECT_NEAR(telemetry_of(law)["p"][0], 0.3, 1e-12) << "from where it is";
+  }
+}
+
 /// A body of three equal inertias turns without a torque of its own: only the angle that stopping takes is left.
 gyrostat::Setup<double> ball() {
   Mat3N<double> D(3, 3);

@@ -227,6 +227,22 @@ TYPED_TEST(PrescribedPerformanceLaw, TakesTheShortWayAtAJumpAndKeepsItBetweenJum
   expect(by_default<FastTerminalSlidingMode<S>>(setup));
 }
 
+TEST(PrescribedPerformance, AJumpOfTheStateArmsAnewOnTheShortWay) {
+  using C = PrescribedPerformance<double>;
+  const gyrostat::Setup<double> setup = orthogonal<double>();
+  C law(setup, default_params<C>(setup)), fresh = law;
+  Estimate<double> x = beyond_half_a_turn(-0.02);
+  (void)law.start(x, {}, {});
+  for (int k = 0; k < 100; ++k) (void)law.step(x, {}, {}, {});
+  x = beyond_half_a_turn(0.02);
+  x.event = 1;
+  const Vec3<double> tau_B = law.step(x, {}, {}, {}).tau_B;
+  EXPECT_EQ(tau_B, fresh.start(x, {}, {}).tau_B) << "as one that starts there";
+  EXPECT_EQ(telemetry_of(law).at("arms")[0], 2);
+  (void)law.step(x, {}, {}, {});
+  EXPECT_EQ(telemetry_of(law).at("arms")[0], 2) << "once";
+}
+
 TEST(PrescribedPerformance, AnArmBeginsTheFunnelAnewAndAStartForgetsTheBreaches) {
   using C = PrescribedPerformance<double>;
   const gyrostat::Setup<double> setup = orthogonal<double>();

@@ -14,9 +14,9 @@ concept Observer =
       { observer.step(y, last) } -> std::same_as<Estimate<typename T::Scalar>>;
     };
 
-/// An observer may have `skip(y, last)`: over the interval just ended the state was not measured, or what was measured cannot be.
-/// It takes its state from `y` and keeps what it has learned. Without it `step` is called, where `y` has been carried on by the
-/// model with what the observer had estimated, so that there is little to learn.
+/// An observer may have `skip(y, last)`, called instead of `step` for an interval that teaches nothing (estimator.hpp). It
+/// takes its state from `y` and keeps what it has learned. Without it `step` is called; where `y` was not measured it has been
+/// carried on by the model with what the observer had estimated, so that there is little to learn.
 template <Observer T>
 Estimate<typename T::Scalar> skip_interval(
     T& observer, const Measurement<typename T::Scalar>& y,
