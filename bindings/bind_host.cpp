@@ -5,10 +5,14 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "gyrostat/flight/compensation_margin.hpp"
 #include "gyrostat/host/catalogue.hpp"
+#include "gyrostat/host/experiment.hpp"
 #include "gyrostat/host/flight_model.hpp"
 #include "gyrostat/host/metrics.hpp"
 #include "gyrostat/host/simulate.hpp"
@@ -47,8 +51,16 @@ py::dict describe(const std::string& family, const std::string& name) {
       "params"_a = parameters(d.params));
 }
 
-py::dict flight_model(const py::dict& scenario) {
-  const host::FlightModel m = host::flight_model(to_table(scenario));
+/// A scenario read and cross-checked once, for whatever is asked of it.
+struct Compiled {
+  host::Table scenario;
+  host::Assembly assembly;
+
+  explicit Compiled(const py::dict& tables) : scenario(to_table(tables)), assembly(host::assemble(scenario)) {}
+};
+
+py::dict flight_model(const Compiled& c) {
+  const host::FlightModel m = host::flight_model(c.assembly);
   const Vehicle<double>& v = m.setup.vehicle;
   py::list components;
   for (const host::FlightComponent& c : m.components) {
@@ -70,9 +82,9 @@ const char* code_name(Status<double>::Code code) {
   return names[static_cast<int>(code)];
 }
 
-py::list check(const py::dict& scenario, const py::dict& components) {
+py::list check(const Compiled& c, const py::dict& components) {
   py::list rows;
-  for (const host::CheckRow& r : host::check(to_table(scenario), python_components(components, Use::look))) {
+  for (const host::CheckRow& r : host::check(c.assembly, python_components(components, Use::look))) {
     rows.append(py::dict("where"_a = r.where, "name"_a = r.name, "ok"_a = r.status.ok(),
                          "code"_a = code_name(r.status.code), "quantity"_a = r.status.quantity,
                          "value"_a = r.status.value, "limit"_a = r.status.limit, "relation"_a = r.status.relation));
@@ -85,17 +97,17 @@ py::dict channel(const host::ChannelInfo& c) {
                   "dimension"_a = c.dimension);
 }
 
-py::dict inner_rates(const py::dict& scenario) {
+py::dict inner_rates(const Compiled& c) {
   using truth::InnerRates;
-  const InnerRates r = host::inner_rates(to_table(scenario));
+  const InnerRates r = host::inner_rates(c.assembly);
   return py::dict("turning"_a = r.turning, "friction"_a = r.friction, "longest_step"_a = InnerRates::longest_step,
                   "most_in_a_sample"_a = InnerRates::most_in_a_sample);
 }
 
-py::list channel_names(const py::dict& scenario, const py::dict& components) {
+py::list channel_names(const Compiled& c, const py::dict& components) {
   py::list rows;
-  for (const host::ChannelInfo& c : host::channels(to_table(scenario), python_components(components, Use::look)))
-    rows.append(channel(c));
+  for (const host::ChannelInfo& info : host::channels(c.assembly, python_components(components, Use::look)))
+    rows.append(channel(info));
   return rows;
 }
 
@@ -108,14 +120,14 @@ py::array_t<double> array_of(std::vector<double>&& data, std::vector<py::ssize_t
   return out;
 }
 
-constexpr const char* end_names[] = {"completed", "singular", "non_finite", "integration_failed", "no_command"};
+constexpr const char* end_names[] = {"completed",          "singular",   "non_finite",
+                                     "integration_failed", "no_command", "refused"};
 
 const char* end_name(host::RunEnd::Code code) { return end_names[static_cast<int>(code)]; }
 
-py::dict simulate(const py::dict& scenario, const py::dict& components,
+py::dict simulate(const Compiled& c, const py::dict& components,
                   const std::optional<std::vector<std::string>>& channels, std::size_t every,
                   const py::object& progress, double memory, bool record) {
-  const host::Table table = to_table(scenario);
   const host::ExternalComponents external = python_components(components, Use::fly);
   host::RunOptions options;
   options.every = every;
@@ -130,16 +142,16 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
   host::RunResult result;
   {
     const py::gil_scoped_release no_gil;
-    result = host::simulate(table, external, options);
+    result = host::simulate(c.assembly, external, options);
   }
   py::dict arrays;
   py::list meta;
   const py::ssize_t rows = static_cast<py::ssize_t>(result.t.size());
-  for (host::Recorder::Channel& c : result.channels) {
+  for (host::Recorder::Channel& recorded : result.channels) {
     std::vector<py::ssize_t> shape{rows};
-    if (c.info.size != 1) shape.push_back(c.info.size);
-    arrays[py::str(c.info.name)] = array_of(std::move(c.data), shape);
-    meta.append(channel(c.info));
+    if (recorded.info.size != 1) shape.push_back(recorded.info.size);
+    arrays[py::str(recorded.info.name)] = array_of(std::move(recorded.data), shape);
+    meta.append(channel(recorded.info));
   }
   py::list events;
   for (const host::Event& e : result.events)
@@ -155,58 +167,118 @@ py::dict simulate(const py::dict& scenario, const py::dict& components,
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+std::span<const double> numbers(const Array& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+/// `copies` gives fresh Python components for every flight; None: there are none.
+std::unique_ptr<host::Experiment> experiment(const py::dict& scenario, const std::vector<std::string>& vary,
+                                             const py::dict& measures, const py::object& copies) {
+  host::ExternalSource external;
+  if (!copies.is_none()) {
+    external = [copies] {
+      const py::gil_scoped_acquire gil;
+      return python_components(copies(), Use::fly);
+    };
+  }
+  return std::make_unique<host::Experiment>(to_table(scenario), vary, to_table(measures), std::move(external));
+}
+
+py::dict fly(const host::Experiment& e, std::uint64_t first, const Array& values, unsigned threads,
+             const py::object& progress) {
+  if (values.ndim() != 2) throw std::invalid_argument("values: rows of one number a column belong there");
+  const std::size_t flights = static_cast<std::size_t>(values.shape(0));
+  host::FlyOptions options;
+  options.threads = threads;
+  options.progress = [&](std::size_t done) {
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!progress.is_none()) progress(static_cast<double>(done) / static_cast<double>(flights));
+  };
+  std::vector<host::Flight> flown;
+  {
+    const py::gil_scoped_release no_gil;
+    flown = e.fly(first, flights, numbers(values), options);
+  }
+  const std::size_t width = e.metrics().size();
+  std::vector<double> metrics, end_time, held;
+  py::list status;
+  py::dict causes;
+  for (std::size_t i = 0; i < flights; ++i) {
+    const host::Flight& f = flown[i];
+    metrics.insert(metrics.end(), f.metrics.begin(), f.metrics.end());
+    end_time.push_back(f.end.time);
+    held.push_back(f.end.held_fraction());
+    status.append(end_name(f.end.code));
+    if (!f.end.cause.empty()) causes[py::int_(first + i)] = f.end.cause;
+  }
+  const py::ssize_t n = static_cast<py::ssize_t>(flights);
+  return py::dict("status"_a = status, "causes"_a = causes, "end_time"_a = array_of(std::move(end_time), {n}),
+                  "held_fraction"_a = array_of(std::move(held), {n}),
+                  "metrics"_a = array_of(std::move(metrics), {n, static_cast<py::ssize_t>(width)}));
+}
+
+void bind_experiment(py::module_& m) {
+  py::class_<host::Experiment>(m, "Experiment", "A scenario flown many times with other numbers in it.")
+      .def(py::init(&experiment), "scenario"_a, "vary"_a, "measures"_a, "copies"_a = py::none())
+      .def_property_readonly("columns", &host::Experiment::columns)
+      .def_property_readonly("metrics", &host::Experiment::metrics)
+      .def(
+          "scenario",
+          [](const host::Experiment& e, std::uint64_t number, const Array& values) {
+            if (static_cast<std::size_t>(values.size()) != e.columns().size())
+              throw std::invalid_argument("values: one number a column belongs there");
+            return to_python(e.scenario(number, numbers(values)));
+          },
+          "number"_a, "values"_a, "The tables of the scenario that one flight is.")
+      .def("fly", &fly, "first"_a, "values"_a, "threads"_a = 1, "progress"_a = py::none(),
+           "Flies one row of `values` after the other, numbered from `first`. Releases the GIL.");
+}
+
 host::Series series(const Array& t, const Array& x) {
   return {{t.data(), static_cast<std::size_t>(t.size())}, {x.data(), static_cast<std::size_t>(x.size())}};
 }
 
-void bind_metrics(py::module_& m) {
+/// The numbers that a metric takes: name, and default, which is NaN for one that must be given.
+template <class T>
+constexpr auto numbers_of() {
+  constexpr auto count = [] {
+    T metric{};
+    std::size_t n = 0;
+    T::describe(metric, [&](const double&, const Field&) { ++n; });
+    return n;
+  };
+  std::array<std::pair<const char*, double>, count()> out{};
+  T metric{};
+  std::size_t i = 0;
+  T::describe(metric, [&](const double& x, const Field& f) { out[i++] = {f.name, x}; });
+  return out;
+}
+
+/// A function of time, samples and the numbers that the metric takes.
+template <class T, std::size_t... i>
+void bind_metric(py::module_& m, std::index_sequence<i...>) {
+  static constexpr auto numbers = numbers_of<T>();
+  [[maybe_unused]] const auto argument = []<std::size_t k>() {
+    if constexpr (numbers[k].second != numbers[k].second) {
+      return py::arg(numbers[k].first);
+    } else {
+      return py::arg_v(numbers[k].first, numbers[k].second);
+    }
+  };
   m.def(
-      "settling_time",
-      [](const Array& t, const Array& x, double band, double after) {
-        return host::settling_time(series(t, x), band, after);
+      T::name,
+      [](const Array& t, const Array& x, decltype(static_cast<void>(i), 0.0)... given) {
+        T metric;
+        [[maybe_unused]] const std::array<double, sizeof...(i)> values{given...};
+        [[maybe_unused]] std::size_t next = 0;
+        T::describe(metric, [&](double& member, const Field&) { member = values[next++]; });
+        return host::measured(metric, series(t, x));
       },
-      "t"_a, "x"_a, "band"_a, "after"_a = 0.0,
-      "Time (s) from `after` to the first instant from which max_i |x_i| < band to the end; nan when it is never so.");
-  m.def(
-      "window_max",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_max(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest |x_i| of the samples in [t0, t1].");
-  m.def(
-      "window_norm",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_norm(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest Euclidean norm of x in [t0, t1].");
-  m.def(
-      "window_rms",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_rms(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Root of the mean over [t0, t1] of sum_i x_i^2.");
-  m.def(
-      "window_lowest",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_lowest(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Smallest value (signed) of any x_i in [t0, t1].");
-  m.def(
-      "window_highest",
-      [](const Array& t, const Array& x, double t0, double t1) { return host::window_highest(series(t, x), t0, t1); },
-      "t"_a, "x"_a, "t0"_a, "t1"_a, "Largest value (signed) of any x_i in [t0, t1].");
-  m.def(
-      "energy", [](const Array& t, const Array& u) { return host::energy(series(t, u)); }, "t"_a, "u"_a,
-      "Integral of sum_i u_i^2 dt, u held from each sample to the next.");
-  m.def(
-      "total_variation",
-      [](const Array& t, const Array& u, double t0, double t1) { return host::total_variation(series(t, u), t0, t1); },
-      "t"_a, "u"_a, "t0"_a, "t1"_a, "Sum over [t0, t1] of sum_i |change of u_i|, per second.");
-  m.def(
-      "fraction_at_least",
-      [](const Array& t, const Array& x, double level, double t0, double t1) {
-        return host::fraction_at_least(series(t, x), level, t0, t1);
-      },
-      "t"_a, "x"_a, "level"_a, "t0"_a, "t1"_a, "Share of the samples in [t0, t1] with max_i |x_i| >= level.");
-  m.def(
-      "first_reach",
-      [](const Array& t, const Array& x, double level, double after) {
-        return host::first_reach(series(t, x), level, after);
-      },
-      "t"_a, "x"_a, "level"_a, "after"_a = 0.0,
-      "First instant (s), not before `after`, with max_i |x_i| >= level; nan when there is none.");
+      "t"_a, "x"_a, argument.template operator()<i>()..., T::meaning);
+}
+
+template <class... T>
+void bind_metrics(py::module_& m, std::type_identity<std::variant<T...>>) {
+  (bind_metric<T>(m, std::make_index_sequence<numbers_of<T>().size()>()), ...);
 }
 
 }  // namespace
@@ -237,39 +309,38 @@ void bind_host(py::module_& m) {
       },
       "family"_a, "name"_a, "params"_a, "where"_a,
       "Raises ValueError, one line, when a parameter is unknown, of the wrong type or out of range.");
-  m.def("check", &check, "scenario"_a, "components"_a = py::dict(),
-        "Builds everything without running; one row a component that has something to check.");
-  m.def(
-      "resolve",
-      [](const py::dict& scenario, const py::dict& components) {
-        return to_python(host::resolve(to_table(scenario), python_components(components, Use::look)));
-      },
-      "scenario"_a, "components"_a = py::dict(), "The scenario with every default filled in.");
-  m.def(
-      "estimate_flow",
-      [](const py::dict& scenario) {
-        py::dict out;
-        for (const auto& [role, estimates] : host::estimate_flow(to_table(scenario)))
-          out[py::str(role)] = names_of(estimates);
-        return out;
-      },
-      "scenario"_a,
-      "By role, the estimates (d_B, effectiveness) that the observer makes and the others use; a Python component is "
-      "left out.");
-  m.def("inner_rates", &inner_rates, "scenario"_a,
-        "Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.");
-  m.def("channel_names", &channel_names, "scenario"_a, "components"_a = py::dict(),
-        "Channels that a run of this scenario offers.");
-  m.def("flight_model", &flight_model, "scenario"_a,
-        "The flight half of a scenario: nominal vehicle as flight has it, period, components with their C++ class and "
-        "every "
-        "parameter as `default`, size of the stack.");
-  m.def("simulate", &simulate, "scenario"_a, "components"_a = py::dict(), "channels"_a = py::none(), "every"_a = 0,
-        "progress"_a = py::none(), "memory"_a = unbounded, "record"_a = true,
-        "Runs one closed loop. Releases the GIL; Python components take it back for their own step only.");
+  py::class_<Compiled>(m, "Compiled", "A scenario of plain tables, read and cross-checked once.")
+      .def(py::init<const py::dict&>(), "scenario"_a)
+      .def(py::pickle([](const Compiled& c) { return to_python(c.scenario); },
+                      [](const py::dict& tables) { return Compiled(tables); }))
+      .def("check", &check, "components"_a = py::dict(),
+           "Builds everything without running; one row a component that has something to check.")
+      .def(
+          "resolve", [](const Compiled& c) { return to_python(host::resolve(c.scenario, c.assembly)); },
+          "The scenario with every default filled in.")
+      .def(
+          "estimate_flow",
+          [](const Compiled& c) {
+            py::dict out;
+            for (const auto& [role, estimates] : host::estimate_flow(c.assembly))
+              out[py::str(role)] = names_of(estimates);
+            return out;
+          },
+          "By role, the estimates (d_B, effectiveness) that the observer makes and the others use; a Python component "
+          "is left out.")
+      .def("inner_rates", &inner_rates,
+           "Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.")
+      .def("channel_names", &channel_names, "components"_a = py::dict(), "Channels that a run of this scenario offers.")
+      .def("flight_model", &flight_model,
+           "The flight half of a scenario: nominal vehicle as flight has it, period, components with their C++ class "
+           "and every parameter as `default`, size of the stack.")
+      .def("simulate", &simulate, "components"_a = py::dict(), "channels"_a = py::none(), "every"_a = 0,
+           "progress"_a = py::none(), "memory"_a = unbounded, "record"_a = true,
+           "Runs one closed loop. Releases the GIL; Python components take it back for their own step only.");
+  bind_experiment(m);
   m.def("critical_effectiveness", &critical_effectiveness<double>, "lambda1"_a, "lambda2"_a,
         "Effectiveness above which feeding the estimate of a finite-time observer forward is stable.");
-  bind_metrics(m);
+  bind_metrics(m, std::type_identity<host::Metric>());
 }
 
 }  // namespace gyrostat::bindings

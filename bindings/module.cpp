@@ -10,6 +10,7 @@ void bind_host(pybind11::module_& m);
 PYBIND11_MODULE(_core, m) {
   m.doc() = "C++ core of gyrostat.";
   m.attr("__version__") = GYROSTAT_VERSION;
+  m.def("compiler", [] { return __VERSION__; }, "Version of the compiler that made this module.");
   gyrostat::bindings::bind_allocation(m);
   gyrostat::bindings::bind_core(m);
   gyrostat::bindings::bind_host(m);

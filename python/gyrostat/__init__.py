@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         comparison,
         design,
         disturbances,
+        experiment,
         faults,
         integrators,
         metrics,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference, Setup, __version__
     from gyrostat.components import Component, allocator, controller, detector, integrator, observer, reference
     from gyrostat.errors import InputError
+    from gyrostat.experiment import Experiment, Flights
     from gyrostat.results import Event, Result
     from gyrostat.scenario import Record, Scenario, Shadow
     from gyrostat.vehicle import Initial, Truth, Vehicle
@@ -43,6 +45,8 @@ __all__ = [
     "Detection",
     "Estimate",
     "Event",
+    "Experiment",
+    "Flights",
     "Initial",
     "InputError",
     "Measurement",
@@ -64,6 +68,7 @@ __all__ = [
     "detection",
     "detector",
     "disturbances",
+    "experiment",
     "faults",
     "integrator",
     "integrators",
@@ -84,6 +89,7 @@ _homes = {
     "_core": ["Allocation", "Demand", "Detection", "Estimate", "Measurement", "Reference", "Setup", "__version__"],
     "components": ["Component", "allocator", "controller", "detector", "integrator", "observer", "reference"],
     "errors": ["InputError"],
+    "experiment": ["Experiment", "Flights"],
     "results": ["Event", "Result"],
     "scenario": ["Record", "Scenario", "Shadow"],
     "vehicle": ["Initial", "Truth", "Vehicle"],

@@ -10,42 +10,40 @@ import typing
 
 __all__: list[str] = [
     "Allocation",
+    "Compiled",
     "Demand",
     "Detection",
     "Estimate",
     "EulerState",
+    "Experiment",
     "Measurement",
     "NominalVehicle",
     "Reference",
     "Setup",
     "allocate",
     "catalogue",
-    "channel_names",
-    "check",
     "check_params",
+    "compiler",
     "critical_effectiveness",
     "dcm_from_quat",
     "default_rank_tolerance",
     "describe",
     "endings",
     "energy",
-    "estimate_flow",
     "euler_from_quat",
+    "final",
     "first_reach",
-    "flight_model",
     "fraction_at_least",
-    "inner_rates",
     "mrp_from_quat",
     "mrp_shadow",
     "quat_from_euler",
     "quat_from_mrp",
     "quat_from_rotation_vector",
-    "resolve",
+    "recovery",
     "rotation_angle",
     "rotation_vector_from_quat",
     "served_axes",
     "settling_time",
-    "simulate",
     "total_variation",
     "window_highest",
     "window_lowest",
@@ -410,6 +408,80 @@ class Allocation:
     @worst_case.setter
     def worst_case(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
 
+class Compiled:
+    """
+    A scenario of plain tables, read and cross-checked once.
+    """
+    def __getstate__(self) -> dict: ...
+    def __init__(self, scenario: dict) -> None: ...
+    def __setstate__(self, arg0: dict) -> None: ...
+    def channel_names(self, components: dict = {}) -> list:
+        """
+        Channels that a run of this scenario offers.
+        """
+    def check(self, components: dict = {}) -> list:
+        """
+        Builds everything without running; one row a component that has something to check.
+        """
+    def estimate_flow(self) -> dict:
+        """
+        By role, the estimates (d_B, effectiveness) that the observer makes and the others use; a Python component is left out.
+        """
+    def flight_model(self) -> dict:
+        """
+        The flight half of a scenario: nominal vehicle as flight has it, period, components with their C++ class and every parameter as `default`, size of the stack.
+        """
+    def inner_rates(self) -> dict:
+        """
+        Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.
+        """
+    def resolve(self) -> dict:
+        """
+        The scenario with every default filled in.
+        """
+    def simulate(
+        self,
+        components: dict = {},
+        channels: collections.abc.Sequence[str] | None = None,
+        every: typing.SupportsInt | typing.SupportsIndex = 0,
+        progress: typing.Any = None,
+        memory: typing.SupportsFloat | typing.SupportsIndex = 1.7976931348623157e308,
+        record: bool = True,
+    ) -> dict:
+        """
+        Runs one closed loop. Releases the GIL; Python components take it back for their own step only.
+        """
+
+class Experiment:
+    """
+    A scenario flown many times with other numbers in it.
+    """
+    def __init__(
+        self, scenario: dict, vary: collections.abc.Sequence[str], measures: dict, copies: typing.Any = None
+    ) -> None: ...
+    def fly(
+        self,
+        first: typing.SupportsInt | typing.SupportsIndex,
+        values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        progress: typing.Any = None,
+    ) -> dict:
+        """
+        Flies one row of `values` after the other, numbered from `first`. Releases the GIL.
+        """
+    def scenario(
+        self,
+        number: typing.SupportsInt | typing.SupportsIndex,
+        values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    ) -> dict:
+        """
+        The tables of the scenario that one flight is.
+        """
+    @property
+    def columns(self) -> list[str]: ...
+    @property
+    def metrics(self) -> list[str]: ...
+
 def allocate(
     D: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     row_weight: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
@@ -439,19 +511,14 @@ def catalogue() -> dict:
     Every family of the catalogue with its names.
     """
 
-def channel_names(scenario: dict, components: dict = {}) -> list:
-    """
-    Channels that a run of this scenario offers.
-    """
-
-def check(scenario: dict, components: dict = {}) -> list:
-    """
-    Builds everything without running; one row a component that has something to check.
-    """
-
 def check_params(family: str, name: str, params: dict, where: str) -> None:
     """
     Raises ValueError, one line, when a parameter is unknown, of the wrong type or out of range.
+    """
+
+def compiler() -> str:
+    """
+    Version of the compiler that made this module.
     """
 
 def critical_effectiveness(
@@ -478,20 +545,23 @@ def endings() -> list:
 
 def energy(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> float:
     """
-    Integral of sum_i u_i^2 dt, u held from each sample to the next.
-    """
-
-def estimate_flow(scenario: dict) -> dict:
-    """
-    By role, the estimates (d_B, effectiveness) that the observer makes and the others use; a Python component is left out.
+    integral of sum_i x_i^2 dt, x held from each sample to the next
     """
 
 def euler_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
     """
     Roll, pitch, yaw (..., 3) in rad of quaternions (..., 4), scalar first; 3-2-1 sequence. Yaw is zero at pitch +-pi/2.
+    """
+
+def final(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> float:
+    """
+    largest |x_i| of the last sample
     """
 
 def first_reach(
@@ -501,28 +571,18 @@ def first_reach(
     after: typing.SupportsFloat | typing.SupportsIndex = 0.0,
 ) -> float:
     """
-    First instant (s), not before `after`, with max_i |x_i| >= level; nan when there is none.
-    """
-
-def flight_model(scenario: dict) -> dict:
-    """
-    The flight half of a scenario: nominal vehicle as flight has it, period, components with their C++ class and every parameter as `default`, size of the stack.
+    first instant (s), not before `after`, with max_i |x_i| >= level
     """
 
 def fraction_at_least(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     level: typing.SupportsFloat | typing.SupportsIndex,
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
+    t0: typing.SupportsFloat | typing.SupportsIndex = ...,
+    t1: typing.SupportsFloat | typing.SupportsIndex = ...,
 ) -> float:
     """
-    Share of the samples in [t0, t1] with max_i |x_i| >= level.
-    """
-
-def inner_rates(scenario: dict) -> dict:
-    """
-    Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.
+    share of the samples in [t0, t1] with max_i |x_i| >= level (1 - 1e-9): time at a limit, breaches
     """
 
 def mrp_from_quat(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
@@ -556,9 +616,15 @@ def quat_from_rotation_vector(
     Quaternions (..., 4) of rotation vectors (..., 3) in rad.
     """
 
-def resolve(scenario: dict, components: dict = {}) -> dict:
+def recovery(
+    t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    band: typing.SupportsFloat | typing.SupportsIndex,
+    after: typing.SupportsFloat | typing.SupportsIndex,
+    until: typing.SupportsFloat | typing.SupportsIndex = ...,
+) -> float:
     """
-    The scenario with every default filled in.
+    time (s) from a fault at `after`, whose sample is before it, to where max_i |x_i| < band until `until`
     """
 
 def rotation_angle(q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
@@ -588,80 +654,67 @@ def settling_time(
     after: typing.SupportsFloat | typing.SupportsIndex = 0.0,
 ) -> float:
     """
-    Time (s) from `after` to the first instant from which max_i |x_i| < band to the end; nan when it is never so.
-    """
-
-def simulate(
-    scenario: dict,
-    components: dict = {},
-    channels: collections.abc.Sequence[str] | None = None,
-    every: typing.SupportsInt | typing.SupportsIndex = 0,
-    progress: typing.Any = None,
-    memory: typing.SupportsFloat | typing.SupportsIndex = 1.7976931348623157e308,
-    record: bool = True,
-) -> dict:
-    """
-    Runs one closed loop. Releases the GIL; Python components take it back for their own step only.
+    time (s) from `after` to the first instant from which max_i |x_i| < band to the end
     """
 
 def total_variation(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    t0: typing.SupportsFloat | typing.SupportsIndex = ...,
+    t1: typing.SupportsFloat | typing.SupportsIndex = ...,
 ) -> float:
     """
-    Sum over [t0, t1] of sum_i |change of u_i|, per second.
+    sum over [t0, t1] of sum_i |change of x_i|, per second
     """
 
 def window_highest(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
+    t0: typing.SupportsFloat | typing.SupportsIndex = ...,
+    t1: typing.SupportsFloat | typing.SupportsIndex = ...,
 ) -> float:
     """
-    Largest value (signed) of any x_i in [t0, t1].
+    largest value (signed) of any x_i in [t0, t1]
     """
 
 def window_lowest(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
+    t0: typing.SupportsFloat | typing.SupportsIndex = ...,
+    t1: typing.SupportsFloat | typing.SupportsIndex = ...,
 ) -> float:
     """
-    Smallest value (signed) of any x_i in [t0, t1].
+    smallest value (signed) of any x_i in [t0, t1]
     """
 
 def window_max(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
+    t0: typing.SupportsFloat | typing.SupportsIndex = ...,
+    t1: typing.SupportsFloat | typing.SupportsIndex = ...,
 ) -> float:
     """
-    Largest |x_i| of the samples in [t0, t1].
+    largest |x_i| of the samples in [t0, t1]
     """
 
 def window_norm(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
+    t0: typing.SupportsFloat | typing.SupportsIndex = ...,
+    t1: typing.SupportsFloat | typing.SupportsIndex = ...,
 ) -> float:
     """
-    Largest Euclidean norm of x in [t0, t1].
+    largest Euclidean norm of x in [t0, t1]
     """
 
 def window_rms(
     t: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    t0: typing.SupportsFloat | typing.SupportsIndex,
-    t1: typing.SupportsFloat | typing.SupportsIndex,
+    t0: typing.SupportsFloat | typing.SupportsIndex = ...,
+    t1: typing.SupportsFloat | typing.SupportsIndex = ...,
 ) -> float:
     """
-    Root of the mean over [t0, t1] of sum_i x_i^2.
+    root of the mean over [t0, t1] of sum_i x_i^2
     """
 
 __version__: str = "0.1.0"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Metrics of a run. The functions live in C++, once, and serve single runs, claims and campaigns alike.
+"""Metrics of a run. They live in C++, once, and serve single runs, claims and experiments alike.
 
 Instants and windows are absolute, in seconds; a settling time is counted from the instant ``after``, which is the last
 fault in `Metrics` and zero in the function unless given. A signal has shape (n,) or (n, k), and its size at an instant
@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING
 
 from gyrostat._core import (
     energy,
+    final,
     first_reach,
     fraction_at_least,
+    recovery,
     settling_time,
     total_variation,
     window_highest,
@@ -126,8 +128,10 @@ __all__ = [
     "UNITS",
     "Metrics",
     "energy",
+    "final",
     "first_reach",
     "fraction_at_least",
+    "recovery",
     "settling_time",
     "total_variation",
     "window_highest",

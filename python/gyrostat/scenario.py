@@ -7,6 +7,7 @@ import copy
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -140,8 +141,8 @@ class Scenario(Model):
         What acts on the truth; see the modules of these names.
     shadows
         Further (observer, detector) pairs on the same signals.
-    seed
-        Of all noise.
+    seed, run_number
+        Of all noise: flights of the same seed and other numbers have noise of their own.
     allow_unstable
         Run settings whose check says unstable (a published study's own unstable cases).
     record
@@ -171,6 +172,7 @@ class Scenario(Model):
     duration: float
     dt: float
     seed: int = 0
+    run_number: int = 0
     allow_unstable: bool = False
     vehicle: Vehicle
     truth: Truth | None = None
@@ -234,8 +236,9 @@ class Scenario(Model):
     def to_dict(self) -> dict[str, Any]:
         """Plain tables; a Python component stands as it is."""
         tables: dict[str, Any] = {}
-        for key, value in self:
-            if value is None or value in ((), "") or value is False:
+        for key in type(self).model_fields:
+            value = getattr(self, key)
+            if value is None or value in ((), "") or value is False or (key == "run_number" and value == 0):
                 continue
             tables[key] = _table(value)
         return tables
@@ -248,7 +251,7 @@ class Scenario(Model):
         InputError
             A Python component has no text.
         """
-        for role in self._python_components():
+        for role in self.python_components():
             raise InputError(f"{role} is a Python object; a TOML file can only hold components of the catalogue")
         text = toml.write(self.to_dict())
         if path is not None:
@@ -275,9 +278,8 @@ class Scenario(Model):
         InputError
             Something that cannot be built.
         """
-        tables, components = self._split()
         with input_errors():
-            return _core.check(tables, components)
+            return self.compiled.check(self.python_components())
 
     def remarks(self) -> list[str]:
         """What is allowed and yet looks like a mistake, one line each; nothing is refused for it.
@@ -294,11 +296,11 @@ class Scenario(Model):
 
     def resolve(self) -> dict[str, Any]:
         """The scenario with every default filled in, as plain tables."""
-        return _core.resolve(*self._split())
+        return self.compiled.resolve()
 
     def channel_names(self) -> list[dict[str, Any]]:
         """Every channel a run can record: name, size, unit and meaning."""
-        return _core.channel_names(*self._split())
+        return self.compiled.channel_names(self.python_components())
 
     def run(
         self,
@@ -335,8 +337,7 @@ class Scenario(Model):
         """
         from gyrostat.results import Result
 
-        tables, components = self._split()
-        components = _copies(components)
+        components = copies(self.python_components())
         with input_errors("channels"):
             chosen = None if channels is None else list(_names(channels) or ())
         with input_errors("every"):
@@ -345,23 +346,29 @@ class Scenario(Model):
             raise InputError(f"progress: {shown(progress)} cannot be called")
         room = available_memory()
         if components:  # what a Python component raises reaches the caller as it is
-            raw = _core.simulate(tables, components, chosen, fewer, progress, room)
+            raw = self.compiled.simulate(components, chosen, fewer, progress, room)
         else:
             with input_errors():
-                raw = _core.simulate(tables, components, chosen, fewer, progress, room)
+                raw = self.compiled.simulate(components, chosen, fewer, progress, room)
         return Result.from_core(self, raw, components)
 
-    def _python_components(self) -> dict[str, object]:
+    def python_components(self) -> dict[str, object]:
+        """The roles that Python objects play, with the objects."""
         found = {role: getattr(self, role) for role in _roles}
         return {r: c for r, c in found.items() if c is not None and not isinstance(c, Component)}
 
-    def _split(self) -> tuple[dict[str, Any], dict[str, object]]:
-        """Tables for the host, and the Python objects that they refer to by ``type = "python"``."""
-        components = self._python_components()
-        return {**self.to_dict(), **{role: {"type": "python"} for role in components}}, components
+    def tables(self) -> dict[str, Any]:
+        """As `to_dict`, for the host: a Python component stands as ``type = "python"``."""
+        return {**self.to_dict(), **{role: {"type": "python"} for role in self.python_components()}}
+
+    @cached_property
+    def compiled(self) -> _core.Compiled:
+        """The scenario as the host has read and cross-checked it, once."""
+        with input_errors():
+            return _core.Compiled(self.tables())
 
 
-def _copies(components: dict[str, object]) -> dict[str, object]:
+def copies(components: dict[str, object]) -> dict[str, object]:
     """Copies for one run. They are taken together: what two components share, their copies share too."""
     try:
         return copy.deepcopy(components)

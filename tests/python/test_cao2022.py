@@ -9,7 +9,6 @@ import math
 import re
 import subprocess
 import sys
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +56,7 @@ def test_the_report_has_every_figure_and_every_run(report: Path) -> None:
     for campaign in paper.campaigns.values():
         rows = list(csv.DictReader((report / "cao2022" / f"{campaign.id}.csv").read_text().splitlines()))
         assert len(rows) == campaign.runs
-        norms = [math.hypot(*(float(r[f"mrp_{i}"]) for i in range(3))) for r in rows]
+        norms = [math.hypot(*(float(r[f"initial.mrp.{i}"]) for i in range(3))) for r in rows]
         low, high = campaign.arguments["norm"]
         assert low <= min(norms) <= max(norms) <= high
         runs += len(rows)
@@ -66,30 +65,28 @@ def test_the_report_has_every_figure_and_every_run(report: Path) -> None:
 
 def test_campaigns_draw_the_same_samples_for_every_variant() -> None:
     campaigns = papers.load("cao2022").campaigns
-    one, other = (campaigns[c].samples() for c in ("any", "any_free"))
-    assert [s.initial for s in one] == [s.initial for s in other]
-    assert len({str(s.initial) for s in one}) == len(one)
+    one, other = (campaigns[c].values() for c in ("any", "any_free"))
+    np.testing.assert_array_equal(one, other)
+    assert len({tuple(row) for row in one}) == len(one)
 
 
-def test_every_worker_flies_runs_of_one_campaign_and_their_number_changes_no_bit(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_number_of_workers_changes_no_bit_of_a_campaign() -> None:
     paper = papers.load("cao2022")
     campaign = dataclasses.replace(paper.campaigns["faults"], runs=12)
     mine = [dataclasses.replace(c, case="faults") for c in paper.claims if c.id == "mc.median_faults"]
     one = dataclasses.replace(paper, cases={}, claims=tuple(mine), figures=(), campaigns={"faults": campaign})
-    alone = papers.reproduce(one, workers=1)
-    fly, together = papers.Campaign.fly, threading.Barrier(4)
-
-    def fly_when_all_do(self: papers.Campaign, sample: gs.Scenario) -> dict[str, float]:
-        together.wait(60.0)  # four runs at once, or the barrier breaks
-        return fly(self, sample)
-
-    monkeypatch.setattr(papers.Campaign, "fly", fly_when_all_do)
-    shared = papers.reproduce(one, workers=4)
-    for name, values in alone.ensembles["faults"].values.items():
+    alone, shared = (papers.reproduce(one, workers=workers) for workers in (1, 4))
+    for name, values in alone.ensembles["faults"].measured.items():
         np.testing.assert_array_equal(shared.ensembles["faults"][name], values)
     assert alone.evaluations[0].measured == shared.evaluations[0].measured
+
+
+def test_a_run_of_a_campaign_is_a_scenario_of_its_own() -> None:
+    campaign = dataclasses.replace(papers.load("cao2022").campaigns["faults"], runs=5)
+    ensemble = campaign.fly()
+    alone = campaign.experiment.scenario(campaign.values()[3], 3).run(channels=["truth.mrp", "allocation.u"])
+    assert gs.metrics.window_max(alone.t, alone["allocation.u"]) == ensemble["peak"][3]
+    np.testing.assert_equal(gs.metrics.settling_time(alone.t, alone["truth.mrp"], 1e-3), ensemble["settling"][3])
 
 
 def test_without_a_limit_what_no_floor_means_decides() -> None:
@@ -132,7 +129,7 @@ def test_the_samples_are_of_haar_measure() -> None:
     rng = np.random.default_rng(1)
     angles = []
     for _ in range(2000):
-        mrp = signals.random_attitude(rng, norm=[0.0, 1.0])["initial"]["mrp"]
+        mrp = signals.random_attitude(rng, norm=[0.0, 1.0])["initial.mrp"]
         angles.append(4.0 * math.atan(math.hypot(*mrp)))
     # Haar measure has the density (1 - cos phi) / pi, so the mean pi/2 + 2/pi; standard error of 2000: 0.015 rad.
     assert np.mean(angles) == pytest.approx(math.pi / 2 + 2 / math.pi, abs=0.06)

@@ -74,7 +74,7 @@ def catalogue() -> list[tuple[str, str]]:
 @pytest.mark.parametrize(("role", "name"), catalogue(), ids="-".join)
 def test_every_flight_component_has_its_class_header_and_parameters(role: str, name: str, tmp_path: Path) -> None:
     scenario = load("ftc_4rw").replace(**{role: name}, duration=0.02)
-    model = next(c for c in _core.flight_model(scenario.to_dict())["components"] if c["role"] == role)
+    model = next(c for c in scenario.compiled.flight_model()["components"] if c["role"] == role)
     if model["cpp"].startswith("gyrostat::host::"):
         with pytest.raises(gs.InputError, match=f"{role} '{name}' runs in the host alone"):
             export(scenario, "cpp", tmp_path / "out")

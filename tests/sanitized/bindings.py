@@ -48,17 +48,17 @@ def main() -> None:
     """A report of the sanitizer ends the process with its own status."""
     python = {**SCENARIO, "controller": {"type": "python"}}
     for scenario, parts in ((SCENARIO, {}), (python, {"controller": Controller()})):
-        result = _core.simulate(scenario, parts)
+        result = _core.Compiled(scenario).simulate(parts)
         if result["status"] != "completed":
             raise SystemExit(f"{result['status']}: {result['cause']}")
     try:
-        _core.simulate(python, {"controller": Failing()})
+        _core.Compiled(python).simulate({"controller": Failing()})
     except ArithmeticError:
         pass
     else:
         raise SystemExit("the exception of a component was lost")
     try:
-        _core.simulate({**SCENARIO, "dt": -1.0}, {})
+        _core.Compiled({**SCENARIO, "dt": -1.0}).simulate({})
     except ValueError:
         pass
     else:

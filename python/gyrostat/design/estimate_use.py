@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from gyrostat import _core
 from gyrostat.design.finding import Finding
 from gyrostat.scenario import Scenario
 
@@ -14,7 +13,7 @@ def findings(scenario: Scenario) -> list[Finding]:
     Nothing is known of Python components: an estimate that one might use is not judged.
     """
     resolved = scenario.resolve()
-    flow = _core.estimate_flow(resolved)
+    flow = scenario.compiled.estimate_flow()
     if not {"observer", "controller", "allocator"} <= set(flow):
         return []
     where, found = f"observer {resolved['observer']['type']}", []

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 
-from gyrostat import _core
 from gyrostat.design.finding import Finding
 from gyrostat.scenario import Scenario
 
@@ -22,7 +21,7 @@ def findings(scenario: Scenario) -> list[Finding]:
     """
     plain = scenario.resolve()
     dt, integrator = float(plain["dt"]), plain["integrator"]
-    rates = _core.inner_rates(plain)
+    rates = scenario.compiled.inner_rates()
     passed = dt * (rates["turning"] + rates["friction"])
     chosen = int(integrator.get("substeps", 1))
     steps = math.ceil(passed / rates["longest_step"])

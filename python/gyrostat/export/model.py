@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrostat import _core
 from gyrostat.errors import InputError, input_errors
 from gyrostat.export.folder import has_header
 from gyrostat.export.places import identifier, identifier_of
@@ -127,7 +126,7 @@ def flight_code(scenario: Scenario, *, scalar: str, samples: int, name: str | No
     _refuse_host_only(scenario)
     name = identifier_of(scenario.name) if name is None else identifier(name)
     with input_errors():
-        model = _core.flight_model(scenario.to_dict())
+        model = scenario.compiled.flight_model()
     if model["vehicle"]["coordinates"] != "body":
         raise InputError("vehicle: coordinates euler_angles cannot be exported; flight code takes body coordinates")
     components = tuple(_component(c) for c in model["components"])

@@ -51,18 +51,16 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import itertools
 import math
 import os
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 from pydantic import Field
 
 from gyrostat import toml
@@ -329,7 +327,6 @@ def reproduce(
     with _pool(workers, meter) as pool:
         longest_first = sorted(paper.cases.values(), key=lambda c: -c.scenario.duration / c.scenario.dt)
         runs = {pool.submit(c.scenario.run, progress=meter.of(c.id)): c.id for c in longest_first}
-        flights = {c.id: _fly(c, pool, meter) for c in paper.campaigns.values()}
         for run in as_completed(runs):
             case = runs.pop(run)
             result = run.result()
@@ -341,7 +338,7 @@ def reproduce(
             for claim in paper.claims:
                 if claim.case == case and not claim.measure.others:
                     found[claim.id] = claim.evaluate(result, {})
-        flown = {key: _ensemble(paper.campaigns[key], runs) for key, runs in flights.items()}
+    flown = {c.id: c.fly(workers=workers, progress=meter.of(c.id)) for c in paper.campaigns.values()}
     for claim in paper.claims:
         if claim.id not in found:
             about = flown[claim.case] if claim.case in flown else results[claim.case]
@@ -360,24 +357,6 @@ def _pool(workers: int | None, meter: _Meter) -> Iterator[Executor]:
         pool.shutdown(cancel_futures=True)
         raise
     pool.shutdown()
-
-
-Flight = Future[dict[str, float]]
-
-
-def _fly(campaign: Campaign, pool: Executor, meter: _Meter) -> list[Flight]:
-    """Start every run of a campaign."""
-    done = itertools.count(1)
-    fly = replace(campaign, watch=meter.look).fly
-    flights = [pool.submit(fly, sample) for sample in campaign.samples()]
-    for flight in flights:
-        flight.add_done_callback(lambda _: meter.advance(campaign.id, next(done) / campaign.runs))
-    return flights
-
-
-def _ensemble(campaign: Campaign, flights: Sequence[Flight]) -> Ensemble:
-    rows = [flight.result() for flight in flights]
-    return Ensemble(campaign, {name: np.array([row[name] for row in rows]) for name in campaign.measures})
 
 
 class _StoppedError(Exception):
@@ -467,7 +446,7 @@ def _campaign(key: str, entry: CampaignEntry, cases: Mapping[str, Case], modules
         if entry.like not in cases:
             raise InputError(f"no case '{entry.like}'{suggestion(entry.like, cases)}")
         samplers = modules.attribute("signals", "SAMPLERS", {})
-        return build(key, entry, cases[entry.like].scenario, samplers, lambda table: _measure(table, cases, modules))
+        return build(key, entry, cases[entry.like].scenario, samplers)
 
 
 def _measure(table: Mapping[str, Any], cases: Mapping[str, Case], modules: _Extensions) -> Measure:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Many runs of one scenario with sampled changes, as part of a study.
+"""Many flights of one case with sampled numbers, as part of a study. The flying is `gyrostat.experiment`.
 
 A campaign is flown from a table of a ``claims.toml``::
 
@@ -7,15 +7,15 @@ A campaign is flown from a table of a ``claims.toml``::
     title = "..."
     like = "table1"                       # a case; `set` changes it
     set = { "controller.phi" = 0.01 }
-    sampler = "attitude"                  # of SAMPLERS in signals.py: (rng, **arguments) -> changes of the scenario
+    sampler = "attitude"                  # of SAMPLERS in signals.py: (rng, **arguments) -> numbers by dotted path
     arguments = { norm = [0.0, 1.0] }
     runs = 150
     seed = 7                              # the same seed, sampler and arguments draw the same samples
-    [campaigns.any_attitude.measures]     # one number a run, measured as claims measure
+    [campaigns.any_attitude.measures]     # one number a run: metric, signal and arguments, as an Experiment takes them
     settling = { metric = "settling_time", signal = "truth.mrp", band = 1e-3 }
 
 Claims name it as their case, and a metric of `ENSEMBLE_METRICS` over its runs:
-``measure = { metric = "share_below", signal = "settling", level = 20 }``.
+``measure = { metric = "share_below", signal = "settling", level = 20 }``. A flight that ended early is not measured.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
@@ -33,9 +34,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from gyrostat.errors import InputError, suggestion
+from gyrostat.experiment import Experiment
 from gyrostat.model import Model
-from gyrostat.papers.measures import Measure, Metric
-from gyrostat.results import Result
+from gyrostat.papers.measures import Metric
 from gyrostat.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -66,19 +67,25 @@ class Campaign:
     arguments: Mapping[str, Any]
     runs: int
     seed: int
-    measures: Mapping[str, Measure]
-    watch: Callable[[float], None] | None = None
-    """Called by every run now and then; what it raises ends the run."""
+    measures: Mapping[str, Mapping[str, Any]]
 
-    def samples(self) -> list[Scenario]:
-        """The scenarios to fly, all drawn from one generator, so that they do not depend on the order of flying."""
+    @cached_property
+    def experiment(self) -> Experiment:
+        """What flies."""
+        return Experiment(self.scenario, vary=list(self._draw(np.random.default_rng(self.seed))), measure=self.measures)
+
+    def values(self) -> Array:
+        """What the runs fly with, a row each; all drawn from one generator, whatever the order of flying."""
         rng = np.random.default_rng(self.seed)
-        return [self.scenario.replace(**self.sampler(rng, **self.arguments)) for _ in range(self.runs)]
+        return np.array([np.concatenate([np.ravel(v) for v in self._draw(rng).values()]) for _ in range(self.runs)])
 
-    def fly(self, sample: Scenario) -> dict[str, float]:
-        """Fly one of them and measure it; NaN where a run could not be measured, e.g. because it never settled."""
-        result = sample.run(progress=self.watch)
-        return {name: _measured(measure, result) for name, measure in self.measures.items()}
+    def fly(self, *, workers: int | None = None, progress: Callable[[float], None] | None = None) -> Ensemble:
+        """Fly and measure all of them; NaN where a run could not be measured, e.g. because it never settled."""
+        flights = self.experiment.fly(self.values(), threads=workers, progress=progress)
+        return Ensemble(self, {name: np.where(flights.completed, flights[name], np.nan) for name in self.measures})
+
+    def _draw(self, rng: np.random.Generator) -> dict[str, Any]:
+        return self.sampler(rng, **self.arguments)
 
 
 @dataclass(frozen=True)
@@ -86,25 +93,22 @@ class Ensemble:
     """What a campaign measured: one column a measure, one row a run."""
 
     campaign: Campaign
-    values: Mapping[str, Array]
+    measured: Mapping[str, Array]
 
     def __getitem__(self, name: str) -> Array:
         """A measure of every run."""
-        if name not in self.values:
-            raise KeyError(f"no measure '{name}'{suggestion(name, self.values)}")
-        return self.values[name]
+        if name not in self.measured:
+            raise KeyError(f"no measure '{name}'{suggestion(name, self.measured)}")
+        return self.measured[name]
 
     def to_csv(self) -> str:
-        """A line a run, with the sampled initial state."""
+        """A line a run: the sampled numbers, then what was measured."""
         text = io.StringIO()
         rows = csv.writer(text, lineterminator="\n")
-        rows.writerow(
-            ["campaign", "run", *(f"mrp_{i}" for i in range(3)), *(f"omega_{i}" for i in range(3)), *self.values]
-        )
-        for run, sample in enumerate(self.campaign.samples()):
-            start = sample.resolve()["initial"]
-            state = [*(start.get("mrp") or ["", "", ""]), *start.get("omega_BN_B", [0.0, 0.0, 0.0])]
-            rows.writerow([self.campaign.id, run, *state, *(repr(float(v[run])) for v in self.values.values())])
+        rows.writerow(["campaign", "run", *self.campaign.experiment.columns, *self.measured])
+        for run, values in enumerate(self.campaign.values()):
+            numbers = [*values, *(column[run] for column in self.measured.values())]
+            rows.writerow([self.campaign.id, run, *(repr(float(x)) for x in numbers)])
         return text.getvalue()
 
 
@@ -129,13 +133,7 @@ def highest(ensemble: Ensemble, *, signal: Array) -> float:
 ENSEMBLE_METRICS: dict[str, Metric] = {f.__name__: f for f in (share_below, middle, highest)}
 
 
-def build(
-    key: str,
-    entry: CampaignEntry,
-    base: Scenario,
-    samplers: Mapping[str, Sampler],
-    measure: Callable[[dict[str, Any]], Measure],
-) -> Campaign:
+def build(key: str, entry: CampaignEntry, base: Scenario, samplers: Mapping[str, Sampler]) -> Campaign:
     """A campaign from its table; the first sample is drawn now, so that mistakes show before anything runs.
 
     Parameters
@@ -148,33 +146,26 @@ def build(
         Scenario of the case that it is like.
     samplers
         SAMPLERS of the study.
-    measure
-        Reads a ``measure`` table.
     """
     if not re.fullmatch(r"[\w.@-]+", key):
         raise InputError("its name is that of a file: letters, digits, '_', '-', '.' and '@' belong there")
     if entry.sampler not in samplers:
         raise InputError(f"unknown sampler '{entry.sampler}'{suggestion(entry.sampler, samplers)}")
-    measures = {name: measure(table) for name, table in entry.measures.items()}
-    if any(m.others for m in measures.values()):
-        raise InputError("a run of a campaign cannot be compared with a case")
-    wanted = sorted({m.signal for m in measures.values() if m.signal is not None and m.signal not in m.signals})
-    scenario = base.replace(**({"record": {"channels": wanted}} | entry.set))
     campaign = Campaign(
-        key, entry.title, scenario, samplers[entry.sampler], entry.arguments, entry.runs, entry.seed, measures
+        key,
+        entry.title,
+        base.replace(**entry.set),
+        samplers[entry.sampler],
+        entry.arguments,
+        entry.runs,
+        entry.seed,
+        entry.measures,
     )
     try:
-        scenario.replace(**campaign.sampler(np.random.default_rng(entry.seed), **entry.arguments))
+        _ = campaign.experiment
     except TypeError as error:
         raise InputError(f"sampler '{entry.sampler}': {error}") from None
     return campaign
-
-
-def _measured(measure: Measure, result: Result) -> float:
-    try:
-        return measure(result, {})
-    except (ValueError, IndexError):
-        return math.nan
 
 
 __all__ = ["ENSEMBLE_METRICS", "Campaign", "CampaignEntry", "Ensemble", "build", "highest", "middle", "share_below"]

@@ -62,7 +62,7 @@ def window_rms(result: Result, *, signal: Array, window: Window = _whole) -> flo
 def final(result: Result, *, signal: Array) -> float:
     """Largest ``|signal|`` at the last instant."""
     _reaches(result, result.t[0], _planned_end(result))
-    return float(np.max(np.abs(signal[-1])))
+    return metrics.final(result.t, signal)
 
 
 def at(result: Result, *, signal: Array, time: float) -> float:
@@ -91,9 +91,7 @@ def recovery(result: Result, *, signal: Array, band: float, after: float, until:
 
     The sample at the fault is before it.
     """
-    start, end = _reaches(result, after, until)
-    part = (result.t > start + 1e-9) & (result.t <= end + 1e-9)
-    return metrics.settling_time(result.t[part], signal[part], band, after)
+    return metrics.recovery(result.t, signal, band, *_reaches(result, after, until))
 
 
 def first_reach(result: Result, *, signal: Array, level: float, after: float = 0.0) -> float:

@@ -208,25 +208,25 @@ TEST_P(BadScenario, IsRefusedInOneLine) {
 TEST(Together, AnObserverBelowTheAllocatorsFloorIsRefused) {
   Table s = ftc_4rw("rk4");
   s.set("observer", Table{{"type", "iterative_learning"}, {"e_min", 0.02}});
-  const std::vector<CheckRow> rows = check(s);
+  const std::vector<CheckRow> rows = check(assemble(s));
   ASSERT_EQ(rows.size(), 5u);
   EXPECT_EQ(rows.back().where, "observer and allocator");
   EXPECT_FALSE(rows.back().status.ok());
   EXPECT_THROW(simulate(s), std::invalid_argument);
   s.set("allocator", Table{{"type", "pseudo_inverse"}, {"e_min", 0.02}});
-  EXPECT_EQ(check(s).size(), 4u);
+  EXPECT_EQ(check(assemble(s)).size(), 4u);
 }
 
 TEST(Together, EstimatesAreToldByRole) {
   Table s = ftc_4rw("rk4");
   s.set("observer", Table{{"type", "finite_time_disturbance"}});
   s.set("controller", Table{{"type", "mrp_feedback"}, {"compensate", false}});
-  const auto flow = estimate_flow(s);
+  const auto flow = estimate_flow(assemble(s));
   ASSERT_EQ(flow.size(), 4u);
   EXPECT_EQ(flow[0], (std::pair<std::string, Estimates>{"observer", {.d_B = true, .effectiveness = false}}));
   EXPECT_EQ(flow[2], (std::pair<std::string, Estimates>{"controller", {}}));
   s.set("controller", Table{{"type", "mrp_feedback"}});
-  EXPECT_TRUE(estimate_flow(s)[2].second.d_B);
+  EXPECT_TRUE(estimate_flow(assemble(s))[2].second.d_B);
 }
 
 TEST(BadVehicle, InertiaIsJudged) {

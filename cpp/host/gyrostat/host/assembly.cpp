@@ -239,7 +239,7 @@ void read_initial(const Table& scenario, Assembly& a, const VecN<double>& wheel_
 
 void read_run(const Table& scenario, Assembly& a) {
   Table run;
-  for (const char* key : {"duration", "dt", "seed", "allow_unstable"}) {
+  for (const char* key : {"duration", "dt", "seed", "run_number", "allow_unstable"}) {
     if (const Value* value = scenario.find(key)) run.set(key, *value);
   }
   a.run = read_params(RunBlock{}, run, Place{"scenario"});
@@ -256,10 +256,10 @@ void read_run(const Table& scenario, Assembly& a) {
 }
 
 void refuse_unknown_keys(const Table& scenario) {
-  static const std::vector<std::string> known = {"name",           "description", "duration",  "dt",      "seed",
-                                                 "allow_unstable", "vehicle",     "truth",     "initial", "observer",
-                                                 "detector",       "controller",  "allocator", "faults",  "shadows",
-                                                 "disturbances",   "reference",   "sensors",   "record",  "integrator"};
+  static const std::vector<std::string> known = {
+      "name",    "description", "duration",     "dt",        "seed",     "run_number", "allow_unstable",
+      "vehicle", "truth",       "initial",      "observer",  "detector", "controller", "allocator",
+      "faults",  "shadows",     "disturbances", "reference", "sensors",  "record",     "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 /// @file  A scenario's table turned into the objects of a run, every number checked on the way.
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "gyrostat/flight/stack.hpp"
 #include "gyrostat/host/blocks.hpp"
 #include "gyrostat/host/catalogue.hpp"
-#include "gyrostat/host/recorder.hpp"
+#include "gyrostat/host/channels.hpp"
 #include "gyrostat/host/reference.hpp"
-#include "gyrostat/host/simulate.hpp"
 #include "gyrostat/truth/plant.hpp"
 #include "gyrostat/truth/sensors.hpp"
 
@@ -16,6 +17,20 @@ namespace gyrostat::host {
 
 using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator>;
 using Shadow = Estimator<AnyObserver, AnyDetector>;
+
+/// Components that come from outside the catalogue, for roles whose entry has type = "python".
+struct ExternalComponents {
+  std::function<std::unique_ptr<ObserverBase>(const Setup<double>&)> observer;
+  std::function<std::unique_ptr<DetectorBase>(const Setup<double>&)> detector;
+  std::function<std::unique_ptr<ControllerBase>(const Setup<double>&)> controller;
+  std::function<std::unique_ptr<AllocatorBase>(const Setup<double>&)> allocator;
+};
+
+/// One line of `gyrostat check`.
+struct CheckRow {
+  std::string where, name;
+  Status<double> status;
+};
 
 /// A component as a scenario names it.
 struct ComponentSpec {

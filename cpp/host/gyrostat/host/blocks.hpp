@@ -81,17 +81,19 @@ struct InitialBlock {
   }
 };
 
-/// Length, period and seed of a run.
+/// Length, period, seed and number of a run.
 struct RunBlock {
   static constexpr const char* name = "run";
   double duration = detail::none, dt = detail::none;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0, run_number = 0;
   bool allow_unstable = false;
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.duration, Field{"duration", "s", 0, 1e9, "simulated time, a whole number of periods"});
     field(p.dt, Field{"dt", "s", 1e-6, 1e3, "period of the flight stack"});
     field(p.seed, Field{"seed", "", 0, 9.2e18, "of all noise"});
+    field(p.run_number,
+          Field{"run_number", "", 0, 9.2e18, "of a flight among many: noise of its own from the same seed"});
     field(p.allow_unstable, Switch{"allow_unstable", "run settings whose check says unstable"});
   }
 };

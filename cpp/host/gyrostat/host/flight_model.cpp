@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "gyrostat/host/flight_model.hpp"
 
-#include "gyrostat/host/assembly.hpp"
-
 namespace gyrostat::host {
 namespace {
 
@@ -27,8 +25,7 @@ FlightComponent component(const Family<Base>& family, const Assembly& a, const C
 
 }  // namespace
 
-FlightModel flight_model(const Table& scenario) {
-  const Assembly a = assemble(scenario);
+FlightModel flight_model(const Assembly& a) {
   const Catalogue& c = catalogue();
   FlightModel m{a.setup, a.run.allow_unstable, {}, frame_bytes<double>(), frame_bytes<float>()};
   m.components = {component(c.observers, a, a.observer), component(c.detectors, a, a.detector),

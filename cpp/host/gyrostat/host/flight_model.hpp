@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gyrostat/host/catalogue.hpp"
+#include "gyrostat/host/assembly.hpp"
 
 namespace gyrostat::host {
 
@@ -23,6 +23,6 @@ struct FlightModel {
 };
 
 /// Throws std::invalid_argument for what does not run, and for components that are not in the catalogue.
-FlightModel flight_model(const Table& scenario);
+FlightModel flight_model(const Assembly& a);
 
 }  // namespace gyrostat::host

@@ -11,9 +11,9 @@
 
 namespace gyrostat::host {
 
-/// How a run ended.
+/// How a run ended. Only a flight among many ends as `refused`: before it began, for values that fit no vehicle.
 struct RunEnd {
-  enum class Code { completed, singular, non_finite, integration_failed, no_command };
+  enum class Code { completed, singular, non_finite, integration_failed, no_command, refused };
   Code code = Code::completed;
   std::string cause;
   double time = 0;  ///< s, last sample reached

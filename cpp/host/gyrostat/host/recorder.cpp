@@ -2,315 +2,38 @@
 #include "gyrostat/host/recorder.hpp"
 
 #include <algorithm>
-#include <span>
-#include <stdexcept>
-
-#include "gyrostat/core/attitude.hpp"
-#include "gyrostat/flight/euler_model.hpp"
-#include "gyrostat/host/value.hpp"
 
 namespace gyrostat::host {
 
-const truth::TruthSample& Moment::truth() const {
-  if (!sample_) sample_ = plant_.sample();
-  return *sample_;
-}
-
-namespace {
-
-constexpr int per_actuator = -1;
-
-void put(const Vec3<double>& v, double* out) { std::copy_n(v.data(), 3, out); }
-void put(const VecN<double>& v, double* out) { std::copy_n(v.data(), v.size(), out); }
-void put(const Quat<double>& q, double* out) {
-  out[0] = q.w();
-  out[1] = q.x();
-  out[2] = q.y();
-  out[3] = q.z();
-}
-void put(double x, double* out) { *out = x; }
-
-/// What the nominal model takes from J w': w x (J w + D h_w), and -J g in the Euler-angle model.
-Vec3<double> gyroscopic(const Vehicle<double>& v, const Vec3<double>& angles, const Vec3<double>& omega,
-                        const VecN<double>& h_w) {
-  return -known_torque<double>(v, angles, omega, h_w);
-}
-
-/// Angles that the model depends on; a body's does not.
-Vec3<double> angles_of(const Moment& m) {
-  return m.vehicles.nominal.coordinates == Coordinates::euler_angles ? m.euler().angles : Vec3<double>::Zero();
-}
-
-Vec3<double> lumped(const Moment& m) {
-  const Vehicle<double>& v = m.vehicles.nominal;
-  return v.J_B * m.truth().omegadot_BN_B + gyroscopic(v, angles_of(m), m.omega_BN_B(), m.h_w()) -
-         torque<double>(v.D_B, *m.u_held);
-}
-
-/// Interval mean; the gyroscopic term by the trapezoid.
-Vec3<double> lumped_mean(const Moment& m) {
-  const Vehicle<double>& v = m.vehicles.nominal;
-  const Vec3<double> mean = 0.5 * (gyroscopic(v, angles_of(m), m.omega_BN_B(), m.h_w()) +
-                                   gyroscopic(v, *m.angles_before, *m.omega_before_B, *m.h_w_before));
-  return v.J_B * (m.omega_BN_B() - *m.omega_before_B) / m.vehicles.dt + mean - torque<double>(v.D_B, *m.u_held);
-}
-
-AttitudeError<double> error_of(const Moment& m) {
-  return attitude_error(m.q_NB(), m.omega_BN_B(), m.ref->q_NR, m.ref->omega_RN_R);
-}
-
-/// The angles of a body are known up to full turns, those of the Euler-angle model are states.
-Vec3<double> euler_error(const Moment& m) {
-  Vec3<double> z = m.euler().angles - m.ref->euler.angles;
-  if (m.vehicles.nominal.coordinates == Coordinates::body) {
-    for (double& angle : z) angle = wrapped(angle);
-  }
-  return z;
-}
-
-struct Known {
-  const char* name;
-  int size;  // per_actuator: one an actuator
-  const char* unit;
-  const char* meaning;
-  void (*fill)(const Moment&, double*);
-  bool usual = false;
-  bool previous = false;
-};
-
-using M = const Moment&;
-const Known known[] = {
-    {"truth.q_NB", 4, "", "attitude, scalar first", [](M m, double* o) { put(m.q_NB(), o); }, true},
-    {"truth.omega_BN_B", 3, "rad/s", "body rate", [](M m, double* o) { put(m.omega_BN_B(), o); }, true},
-    {"truth.mrp", 3, "", "attitude as MRP of the short way, |sigma| <= 1",
-     [](M m, double* o) { put(mrp(short_way(m.q_NB())), o); }},
-    {"truth.euler", 3, "rad", "roll, pitch, yaw", [](M m, double* o) { put(m.euler().angles, o); }},
-    {"truth.euler_rates", 3, "rad/s", "rates of roll, pitch, yaw", [](M m, double* o) { put(m.euler().rates, o); }},
-    {"truth.h_w", per_actuator, "N m s", "axial wheel momentum in inertial space",
-     [](M m, double* o) { put(m.h_w(), o); }},
-    {"truth.delivered", per_actuator, "N m", "torque on the body that the actuators gave",
-     [](M m, double* o) { put(m.truth().delivered, o); }, true},
-    {"truth.effectiveness", per_actuator, "", "true effectiveness",
-     [](M m, double* o) { put(m.truth().effectiveness, o); }, true},
-    {"truth.bias", per_actuator, "N m", "true additive fault", [](M m, double* o) { put(m.truth().bias, o); }},
-    {"truth.external_B", 3, "N m", "disturbance torque", [](M m, double* o) { put(m.truth().external_B, o); }},
-    {"truth.omegadot_BN_B", 3, "rad/s^2", "body acceleration", [](M m, double* o) { put(m.truth().omegadot_BN_B, o); }},
-    {"truth.fault_B", 3, "N m", "D_true (delivered - u)",
-     [](M m, double* o) { put(torque<double>(m.vehicles.D_true_B, m.truth().delivered - *m.u_held), o); }, false, true},
-    {"truth.lumped_B", 3, "N m", "J w' + w x (J w + D h_w) - D u, nominal J and D",
-     [](M m, double* o) { put(lumped(m), o); }, false, true},
-    {"truth.lumped_mean_B", 3, "N m", "mean of lumped_B over the interval",
-     [](M m, double* o) { put(lumped_mean(m), o); }, false, true},
-    {"error.angle", 1, "rad", "angle between body and reference",
-     [](M m, double* o) { put(rotation_angle(error_of(m).q_RB), o); }, true},
-    {"error.mrp", 3, "", "MRP of the body relative to the reference, short way",
-     [](M m, double* o) { put(mrp(short_way(error_of(m).q_RB)), o); }},
-    {"error.omega_BR_B", 3, "rad/s", "body rate relative to the reference",
-     [](M m, double* o) { put(error_of(m).omega_BR_B, o); }},
-    {"error.euler", 3, "rad", "roll, pitch, yaw less those of the reference",
-     [](M m, double* o) { put(euler_error(m), o); }},
-    {"error.euler_rates", 3, "rad/s", "rates of roll, pitch, yaw less those of the reference",
-     [](M m, double* o) { put(Vec3<double>(m.euler().rates - m.ref->euler.rates), o); }},
-    {"measurement.q_NB", 4, "", "measured attitude", [](M m, double* o) { put(m.y->q_NB, o); }},
-    {"measurement.omega_BN_B", 3, "rad/s", "measured rate", [](M m, double* o) { put(m.y->omega_BN_B, o); }},
-    {"measurement.h_w", per_actuator, "N m s", "measured wheel momentum", [](M m, double* o) { put(m.y->h_w, o); }},
-    {"measurement.attitude_valid", 1, "", "1: attitude measured at this sample, 0: not",
-     [](M m, double* o) { put(m.y->attitude_valid, o); }},
-    {"measurement.rate_valid", 1, "", "1: rate measured at this sample, 0: not",
-     [](M m, double* o) { put(m.y->rate_valid, o); }},
-    {"measurement.momentum_valid", 1, "", "1: wheel momentum measured at this sample, 0: not",
-     [](M m, double* o) { put(m.y->momentum_valid, o); }},
-    {"measurement.euler", 3, "rad", "measured roll, pitch, yaw", [](M m, double* o) { put(m.y->euler.angles, o); }},
-    {"measurement.euler_rates", 3, "rad/s", "measured Euler rates", [](M m, double* o) { put(m.y->euler.rates, o); }},
-    {"reference.q_NR", 4, "", "reference attitude", [](M m, double* o) { put(m.ref->q_NR, o); }},
-    {"reference.omega_RN_R", 3, "rad/s", "reference rate", [](M m, double* o) { put(m.ref->omega_RN_R, o); }},
-    {"reference.omegadot_RN_R", 3, "rad/s^2", "reference acceleration",
-     [](M m, double* o) { put(m.ref->omegadot_RN_R, o); }},
-    {"reference.euler", 3, "rad", "reference roll, pitch, yaw", [](M m, double* o) { put(m.ref->euler.angles, o); }},
-    {"reference.event", 1, "", "count of jumps", [](M m, double* o) { put(m.ref->event, o); }},
-    {"estimate.q_NB", 4, "", "estimated attitude", [](M m, double* o) { put(m.x->q_NB, o); }},
-    {"estimate.omega_BN_B", 3, "rad/s", "estimated rate", [](M m, double* o) { put(m.x->omega_BN_B, o); }},
-    {"estimate.effectiveness", per_actuator, "", "estimated effectiveness",
-     [](M m, double* o) { put(m.x->effectiveness, o); }, true},
-    {"estimate.effectiveness_bound", per_actuator, "", "relative half-width; infinite: never excited",
-     [](M m, double* o) { put(m.x->effectiveness_bound, o); }},
-    {"estimate.d_B", 3, "N m", "estimated lumped torque", [](M m, double* o) { put(m.x->d_B, o); }, true},
-    {"detection.changed", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->changed.bits(), o); }},
-    {"detection.failed", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->failed.bits(), o); }},
-    {"detection.enabled", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->enabled.bits(), o); }},
-    {"detection.event", 1, "", "count of declarations", [](M m, double* o) { put(m.det->event, o); }},
-    {"demand.tau_B", 3, "N m", "torque that the controller asks for", [](M m, double* o) { put(m.demand->tau_B, o); },
-     true},
-    {"demand.u_pref", per_actuator, "N m", "preferred command, probe included",
-     [](M m, double* o) { put(m.demand->u_pref, o); }},
-    {"allocation.u", per_actuator, "N m", "issued command, held to the next sample",
-     [](M m, double* o) { put(m.last->u, o); }, true},
-    {"allocation.achieved_B", 3, "N m", "torque that flight believes it gets",
-     [](M m, double* o) { put(m.last->achieved_B, o); }},
-    {"allocation.saturated", 1, "", "bit mask of actuators at a limit and not at rest",
-     [](M m, double* o) { put(m.last->saturated.bits(), o); }, true},
-    {"allocation.gap", 1, "", "certified distance to the optimum", [](M m, double* o) { put(m.last->gap, o); }},
-    {"allocation.worst_case", 1, "N m", "worst residual under the effectiveness bound",
-     [](M m, double* o) { put(m.last->worst_case, o); }},
-    {"allocation.iterations", 1, "", "of the allocator", [](M m, double* o) { put(m.last->iterations, o); }},
-    {"allocation.status", 1, "", "flags of the sample (core/signals.hpp)",
-     [](M m, double* o) { put(m.last->status.bits(), o); }},
-};
-
-struct KnownOfShadow {
-  const char* name;
-  int size;
-  const char* unit;
-  const char* meaning;
-  void (*fill)(const ShadowView&, double*);
-};
-
-using V = const ShadowView&;
-const KnownOfShadow known_of_shadow[] = {
-    {"estimate.effectiveness", per_actuator, "", "estimated effectiveness",
-     [](V v, double* o) { put(v.x->effectiveness, o); }},
-    {"estimate.effectiveness_bound", per_actuator, "", "relative half-width",
-     [](V v, double* o) { put(v.x->effectiveness_bound, o); }},
-    {"estimate.d_B", 3, "N m", "estimated lumped torque", [](V v, double* o) { put(v.x->d_B, o); }},
-    {"estimate.omega_BN_B", 3, "rad/s", "estimated rate", [](V v, double* o) { put(v.x->omega_BN_B, o); }},
-    {"detection.changed", 1, "", "bit mask of actuators", [](V v, double* o) { put(v.det->changed.bits(), o); }},
-    {"detection.failed", 1, "", "bit mask of actuators", [](V v, double* o) { put(v.det->failed.bits(), o); }},
-    {"detection.event", 1, "", "count of declarations", [](V v, double* o) { put(v.det->event, o); }},
-};
-
-/// `k` is a Known or a KnownOfShadow.
-ChannelInfo info_of(const std::string& name, const auto& k, int actuators) {
-  const char* dimension = k.size == per_actuator ? "actuator" : k.size == 3 ? "axis" : k.size == 4 ? "quaternion" : "";
-  return {name, k.size == per_actuator ? actuators : k.size, k.unit, k.meaning, dimension};
-}
-
-ChannelInfo info_of(const std::string& name, const TelemetryEntry& e) {
-  return {name, e.width, "", e.counter ? "counter" : "inner signal", e.dimension};
-}
-
-std::vector<TelemetryEntry> entries_of(const Reported& r) {
-  std::vector<TelemetryEntry> entries;
-  r.component->entries(entries);
-  return entries;
-}
-
-/// Whether `name` is meant by `pattern`, which may end in ".*".
-bool meant(const std::string& pattern, const std::string& name) {
-  if (pattern.ends_with(".*")) return name.starts_with(pattern.substr(0, pattern.size() - 1));
-  return pattern == name;
-}
-
-}  // namespace
-
-std::vector<ChannelInfo> Recorder::offered(int actuators, const std::vector<Reported>& components,
-                                           const std::vector<ShadowView>& shadows) {
-  std::vector<ChannelInfo> out;
-  for (const Known& k : known) out.push_back(info_of(k.name, k, actuators));
-  for (const ShadowView& s : shadows) {
-    for (const KnownOfShadow& k : known_of_shadow) out.push_back(info_of(s.role + "." + k.name, k, actuators));
-  }
-  for (const Reported& r : components) {
-    for (const TelemetryEntry& e : entries_of(r)) out.push_back(info_of(r.role + "." + e.name, e));
-  }
-  return out;
-}
-
-std::vector<std::string> Recorder::usual(const std::vector<Reported>& components,
-                                         const std::vector<ShadowView>& shadows) {
-  std::vector<std::string> names;
-  for (const Known& k : known) {
-    if (k.usual) names.emplace_back(k.name);
-  }
-  for (const Reported& r : components) {
-    for (const TelemetryEntry& e : entries_of(r)) names.push_back(r.role + "." + e.name);
-  }
-  for (const ShadowView& s : shadows) names.push_back(s.role + ".estimate.*");
-  return names;
-}
-
-Recorder::Recorder(const std::vector<std::string>& names, int actuators, std::vector<Reported> components,
-                   std::vector<ShadowView> shadows)
-    : shadows_(std::move(shadows)) {
-  for (const std::string& pattern : names) choose(pattern, actuators, components, shadows_);
-}
+Recorder::Recorder(ChannelReader reader) : reader_(std::move(reader)), data_(reader_.channels().size()) {}
 
 std::size_t Recorder::width() const noexcept {
   std::size_t numbers = 1;
-  for (const Slot& s : slots_) numbers += static_cast<std::size_t>(s.channel.info.size);
+  for (const ChannelInfo& c : reader_.channels()) numbers += static_cast<std::size_t>(c.size);
   return numbers;
 }
 
 void Recorder::reserve(std::size_t rows) {
   t_.reserve(rows);
-  for (Slot& s : slots_) s.channel.data.resize(rows * static_cast<std::size_t>(s.channel.info.size));
-}
-
-void Recorder::choose(const std::string& pattern, int actuators, const std::vector<Reported>& components,
-                      const std::vector<ShadowView>& shadows) {
-  bool found = false;
-  const auto add = [&](Slot slot) {
-    found = true;
-    const bool twice = std::any_of(slots_.begin(), slots_.end(),
-                                   [&](const Slot& s) { return s.channel.info.name == slot.channel.info.name; });
-    if (!twice) slots_.push_back(std::move(slot));
-  };
-  for (const Known& k : known) {
-    if (!meant(pattern, k.name)) continue;
-    needs_previous_ = needs_previous_ || k.previous;
-    add({{info_of(k.name, k, actuators), {}}, k.fill});
-  }
-  for (std::size_t i = 0; i < shadows.size(); ++i) {
-    for (const KnownOfShadow& k : known_of_shadow) {
-      const std::string name = shadows[i].role + "." + k.name;
-      if (meant(pattern, name)) add({{info_of(name, k, actuators), {}}, nullptr, k.fill, i});
-    }
-  }
-  for (const Reported& r : components) {
-    std::size_t offset = 0;
-    for (const TelemetryEntry& e : entries_of(r)) {
-      const std::string name = r.role + "." + e.name;
-      if (meant(pattern, name)) {
-        std::size_t source = 0;
-        while (source < sources_.size() && sources_[source].component != r.component) ++source;
-        if (source == sources_.size()) sources_.push_back({r.component, {}});
-        add({{info_of(name, e), {}}, nullptr, nullptr, source, offset});
-      }
-      offset += static_cast<std::size_t>(e.width);
-    }
-    for (Source& s : sources_) {
-      if (s.component == r.component) s.row.resize(offset);
-    }
-  }
-  if (found) return;
-  std::vector<std::string> all;
-  for (const ChannelInfo& c : offered(actuators, components, shadows)) all.push_back(c.name);
-  const std::string near = nearest(pattern, all);
-  throw std::invalid_argument("record: no channel '" + pattern + "'" +
-                              (near.empty() ? "" : ", did you mean '" + near + "'?"));
+  for (std::size_t i = 0; i < data_.size(); ++i)
+    data_[i].resize(rows * static_cast<std::size_t>(reader_.channels()[i].size));
 }
 
 void Recorder::record(const Moment& now) {
-  t_.push_back(now.t);
-  for (Source& s : sources_) s.component->values(s.row.data());
-  for (Slot& s : slots_) {
-    const std::size_t size = static_cast<std::size_t>(s.channel.info.size);
-    double* out = s.channel.data.data() + row_ * size;
-    if (s.fill != nullptr) {
-      s.fill(now, out);
-    } else if (s.fill_shadow != nullptr) {
-      s.fill_shadow(shadows_[s.source], out);
-    } else {
-      std::copy_n(sources_[s.source].row.data() + s.offset, size, out);
-    }
+  reader_.read(now);
+  for (std::size_t i = 0; i < data_.size(); ++i) {
+    const std::span<const double> x = reader_[i];
+    std::copy(x.begin(), x.end(), data_[i].data() + t_.size() * x.size());
   }
-  ++row_;
+  t_.push_back(now.t);
 }
 
 std::vector<Recorder::Channel> Recorder::take() && {
   std::vector<Channel> out;
-  for (Slot& s : slots_) {
-    s.channel.data.resize(row_ * static_cast<std::size_t>(s.channel.info.size));
-    out.push_back(std::move(s.channel));
+  for (std::size_t i = 0; i < data_.size(); ++i) {
+    const ChannelInfo& info = reader_.channels()[i];
+    data_[i].resize(t_.size() * static_cast<std::size_t>(info.size));
+    out.push_back({info, std::move(data_[i])});
   }
   return out;
 }

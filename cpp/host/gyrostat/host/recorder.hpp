@@ -1,98 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// @file  Chosen channels of a run, written into preallocated rows. What nobody chose is never computed.
+/// @file  Chosen channels of a run, kept in preallocated rows.
 #pragma once
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "gyrostat/core/signals.hpp"
-#include "gyrostat/host/telemetry.hpp"
-#include "gyrostat/truth/plant.hpp"
+#include "gyrostat/host/channels.hpp"
 
 namespace gyrostat::host {
 
-/// What one channel holds. Its columns are the members of `dimension`: axis (x, y, z), quaternion (w, x, y, z), actuator;
-/// "" of one column, or of columns that are none of these.
-struct ChannelInfo {
-  std::string name;
-  int size = 1;
-  std::string unit, meaning, dimension;
-};
-
-/// The true vehicle beside the nominal one; channels compare them.
-struct Vehicles {
-  Vehicle<double> nominal;
-  Mat3N<double> D_true_B{3, 0};
-  double dt = 0;
-};
-
-/// All that a channel may read at one sample. Truth is one-sided: the interval just ended.
-class Moment {
- public:
-  Moment(const Vehicles& vehicles_in, const truth::Plant& plant) : vehicles(vehicles_in), plant_(plant) {}
-
-  const truth::TruthSample& truth() const;
-
-  const Vehicles& vehicles;
-  double t = 0;
-  const Measurement<double>* y = nullptr;
-  const Reference<double>* ref = nullptr;
-  const Estimate<double>* x = nullptr;
-  const Detection<double>* det = nullptr;
-  const Demand<double>* demand = nullptr;
-  const Allocation<double>* last = nullptr;
-  const VecN<double>* u_held = nullptr;          ///< command over the interval just ended
-  const Vec3<double>* omega_before_B = nullptr;  ///< true rate one sample ago
-  const VecN<double>* h_w_before = nullptr;      ///< true wheel momentum one sample ago
-  const Vec3<double>* angles_before = nullptr;   ///< true Euler angles one sample ago; the Euler-angle model only
-  const Vec3<double>& omega_BN_B() const { return plant_.omega_BN_B(); }
-  const Quat<double>& q_NB() const { return plant_.q_NB(); }
-  EulerState<double> euler() const { return plant_.euler(); }
-  const VecN<double>& h_w() const { return plant_.h_w(); }
-
-  /// A new sample: forget what was computed for the one before.
-  void advance(double time) {
-    t = time;
-    sample_.reset();
-  }
-
- private:
-  const truth::Plant& plant_;
-  mutable std::optional<truth::TruthSample> sample_;
-};
-
-/// A component whose telemetry may be recorded, under its role's name ("observer", "shadow0.detector").
-struct Reported {
-  std::string role;
-  const Reporting* component = nullptr;
-};
-
-/// An observer and detector beside the loop.
-struct ShadowView {
-  std::string role;
-  const Estimate<double>* x = nullptr;
-  const Detection<double>* det = nullptr;
-};
-
 class Recorder {
  public:
-  /// Every channel that a run with these parts offers.
-  static std::vector<ChannelInfo> offered(int actuators, const std::vector<Reported>& components,
-                                          const std::vector<ShadowView>& shadows);
-  /// What is recorded when nobody chooses.
-  static std::vector<std::string> usual(const std::vector<Reported>& components,
-                                        const std::vector<ShadowView>& shadows);
-
-  /// `names` may end in ".*". Throws std::invalid_argument naming the nearest channel.
-  Recorder(const std::vector<std::string>& names, int actuators, std::vector<Reported> components,
-           std::vector<ShadowView> shadows);
+  explicit Recorder(ChannelReader reader);
 
   /// Numbers in a row, the time included.
   std::size_t width() const noexcept;
   /// Room for so many rows; to be called once, before the first one is recorded.
   void reserve(std::size_t rows);
-  /// Whether a channel compares with the sample before.
-  bool needs_previous() const noexcept { return needs_previous_; }
+  bool needs_previous() const noexcept { return reader_.needs_previous(); }
   void record(const Moment& now);
 
   struct Channel {
@@ -100,30 +21,12 @@ class Recorder {
     std::vector<double> data;  ///< rows x size
   };
   std::vector<Channel> take() &&;
-  std::size_t rows() const noexcept { return row_; }
   const std::vector<double>& times() const noexcept { return t_; }
 
  private:
-  struct Slot {  // one chosen channel
-    Channel channel;
-    void (*fill)(const Moment&, double*) = nullptr;
-    void (*fill_shadow)(const ShadowView&, double*) = nullptr;
-    std::size_t source = 0, offset = 0;  // of telemetry: component and position in its row; of a shadow: which
-  };
-  struct Source {  // a component with chosen telemetry
-    const Reporting* component;
-    std::vector<double> row;
-  };
-
-  void choose(const std::string& pattern, int actuators, const std::vector<Reported>& components,
-              const std::vector<ShadowView>& shadows);
-
-  std::vector<Slot> slots_;
-  std::vector<Source> sources_;
-  std::vector<ShadowView> shadows_;
+  ChannelReader reader_;
+  std::vector<std::vector<double>> data_;
   std::vector<double> t_;
-  std::size_t row_ = 0;
-  bool needs_previous_ = false;
 };
 
 }  // namespace gyrostat::host

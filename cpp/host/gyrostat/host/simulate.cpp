@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "gyrostat/host/assembly.hpp"
+#include "gyrostat/host/run_parts.hpp"
 
 namespace gyrostat::host {
 namespace {
@@ -121,57 +121,27 @@ class ProgressClock {
 /// Everything that looks on while the loop flies: shadows, recorder, events, progress.
 class Watcher {
  public:
-  Watcher(const Assembly& a, const truth::Plant& plant, const Stack& stack, std::vector<Shadow>& shadows,
-          const std::vector<Reported>& components, Recorder* recorder, std::size_t every,
-          std::function<void(double)> progress)
+  Watcher(const Assembly& a, const truth::Plant& plant, FlightParts& parts, Recorder* recorder,
+          const RunOptions& options)
       : plant_(plant),
-        stack_(stack),
-        shadows_(shadows),
+        parts_(parts),
         recorder_(recorder),
-        every_(every),
+        every_(options.every),
         ticks_(a.ticks),
-        events_(components),
-        clock_(std::move(progress), a.ticks),
-        moment_(a.vehicles, plant),
-        previous_(recorder != nullptr && recorder->needs_previous()) {
-    u_held_ = VecN<double>::Zero(a.setup.vehicle.actuators());
-    omega_before_ = plant.omega_BN_B();
-    h_w_before_ = plant.h_w();
-    if (plant.flies_euler()) angles_before_ = plant.euler().angles;
-  }
+        events_(parts.components),
+        clock_(options.progress, a.ticks),
+        moments_(a, plant, parts.stack, recorder != nullptr && recorder->needs_previous()) {}
 
   void before(const Measurement<double>&, const Allocation<double>& last) {
-    if (previous_ && !first_) u_held_ = last.u;
-    first_ = false;
-    if (!shadows_.empty()) last_ = last;
+    moments_.before(last);
+    shadows_.before(parts_, last);
   }
 
-  /// Shadows see what the first pair saw.
   void after(Tick k, const Measurement<double>& y, const Reference<double>& ref) {
-    for (Shadow& s : shadows_) {
-      if (stack_.started()) shadows_started_ ? s.step(stack_.measurement(), last_) : s.start(stack_.measurement());
-    }
-    shadows_started_ = stack_.started();
-    events_.look(plant_.time(), stack_.detection(), ref, stack_.actions());
-    if (recorder_ != nullptr && (k % every_ == 0 || k == ticks_)) {
-      moment_.advance(plant_.time());
-      moment_.y = &y;
-      moment_.ref = &ref;
-      moment_.x = &stack_.estimate();
-      moment_.det = &stack_.detection();
-      moment_.demand = &stack_.demand();
-      moment_.last = &stack_.last();
-      moment_.u_held = &u_held_;
-      moment_.omega_before_B = &omega_before_;
-      moment_.h_w_before = &h_w_before_;
-      moment_.angles_before = &angles_before_;
-      recorder_->record(moment_);
-    }
-    if (previous_) {
-      omega_before_ = plant_.omega_BN_B();
-      h_w_before_ = plant_.h_w();
-      if (plant_.flies_euler()) angles_before_ = plant_.euler().angles;
-    }
+    shadows_.after(parts_);
+    events_.look(plant_.time(), parts_.stack.detection(), ref, parts_.stack.actions());
+    if (recorder_ != nullptr && (k % every_ == 0 || k == ticks_)) recorder_->record(moments_.now(y, ref));
+    moments_.after();
     clock_.look(k);
   }
 
@@ -179,42 +149,14 @@ class Watcher {
 
  private:
   const truth::Plant& plant_;
-  const Stack& stack_;
-  std::vector<Shadow>& shadows_;
+  FlightParts& parts_;
   Recorder* recorder_;
   std::size_t every_;
   Tick ticks_;
   EventLog events_;
   ProgressClock clock_;
-  Moment moment_;
-  bool previous_, first_ = true, shadows_started_ = false;
-  Allocation<double> last_;  ///< issued over the interval just ended
-  VecN<double> u_held_, h_w_before_;
-  Vec3<double> omega_before_;
-  Vec3<double> angles_before_ = Vec3<double>::Zero();
-};
-
-struct Parts {
-  Stack stack;
-  std::vector<Shadow> shadows;
-  std::vector<Reported> components;
-  std::vector<ShadowView> views;
-
-  Parts(const Assembly& a, const ExternalComponents& external)
-      : stack(make_stack(a, external)), shadows(make_shadows(a, external)) {
-    components = {{"observer", &stack.estimator.observer.reporting()},
-                  {"detector", &stack.estimator.detector.reporting()},
-                  {"controller", &stack.controller.reporting()},
-                  {"allocator", &stack.allocator.reporting()}};
-    for (std::size_t i = 0; i < shadows.size(); ++i) {
-      const std::string role = "shadow" + std::to_string(i);
-      components.push_back({role + ".observer", &shadows[i].observer.reporting()});
-      components.push_back({role + ".detector", &shadows[i].detector.reporting()});
-      views.push_back({role, &shadows[i].estimate(), &shadows[i].detection()});
-    }
-  }
-  Parts(const Parts&) = delete;
-  Parts& operator=(const Parts&) = delete;
+  Moments moments_;
+  ShadowFlight shadows_;
 };
 
 /// The [record] block; options of the call win.
@@ -267,13 +209,6 @@ void reserve(Recorder& recorder, const Assembly& a, const RunOptions& options) {
   }
 }
 
-/// Euler angles cost more than the rest of the measurement: filled for Euler laws, or when somebody records them.
-bool wants_euler(const Assembly& a, const RunOptions& options) {
-  if (a.setup.vehicle.coordinates == Coordinates::euler_angles) return true;
-  return std::any_of(options.channels.begin(), options.channels.end(),
-                     [](const std::string& name) { return name.starts_with("measurement."); });
-}
-
 Table resolved(const std::vector<ParamInfo>& params, const Table& given, const std::string& type = "") {
   Table out;
   if (!type.empty()) out.set("type", type);
@@ -295,30 +230,20 @@ std::string text_of(const GuardActions& did) {
   return text;
 }
 
-std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& external) {
-  const Assembly a = assemble(scenario);
+std::vector<CheckRow> check(const Assembly& a, const ExternalComponents& external) {
   (void)truth::Plant(a.plant, a.initial, a.setup.dt);
   (void)ReferencePath(a.reference, a.setup.dt);
   return check_components(a, external);
 }
 
-std::vector<std::pair<std::string, Estimates>> estimate_flow(const Table& scenario) {
-  return estimate_flow(assemble(scenario));
+truth::InnerRates inner_rates(const Assembly& a) { return truth::Plant(a.plant, a.initial, a.setup.dt).inner_rates(); }
+
+std::vector<ChannelInfo> channels(const Assembly& a, const ExternalComponents& external) {
+  const FlightParts parts(a, external);
+  return ChannelReader::offered(a.setup.vehicle.actuators(), parts.components, parts.views);
 }
 
-truth::InnerRates inner_rates(const Table& scenario) {
-  const Assembly a = assemble(scenario);
-  return truth::Plant(a.plant, a.initial, a.setup.dt).inner_rates();
-}
-
-std::vector<ChannelInfo> channels(const Table& scenario, const ExternalComponents& external) {
-  const Assembly a = assemble(scenario);
-  const Parts parts(a, external);
-  return Recorder::offered(a.setup.vehicle.actuators(), parts.components, parts.views);
-}
-
-Table resolve(const Table& scenario, const ExternalComponents&) {
-  const Assembly a = assemble(scenario);
+Table resolve(const Table& scenario, const Assembly& a) {
   Table out = scenario;
   const auto fill = [&](const char* key, const auto& family, const ComponentSpec& spec) {
     if (spec.type == "python") return;
@@ -337,22 +262,24 @@ Table resolve(const Table& scenario, const ExternalComponents&) {
   return out;
 }
 
-RunResult simulate(const Table& scenario, const ExternalComponents& external, const RunOptions& given) {
-  const Assembly a = assemble(scenario);
+RunResult simulate(const Table& scenario, const ExternalComponents& external, const RunOptions& options) {
+  return simulate(assemble(scenario), external, options);
+}
+
+RunResult simulate(const Assembly& a, const ExternalComponents& external, const RunOptions& given) {
   const RunOptions options = with_record_block(given, a.record);
   truth::Plant plant(a.plant, a.initial, a.setup.dt);
-  truth::Sensors sensors(a.sensors, a.run.seed, 0, wants_euler(a, options), a.setup.dt);
+  truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(a, options.channels), a.setup.dt);
   ReferencePath reference(a.reference, a.setup.dt);
-  Parts parts(a, external);
+  FlightParts parts(a, external);
   std::optional<Recorder> recorder;
   if (options.record) {
     const std::vector<std::string> names =
-        options.channels.empty() ? Recorder::usual(parts.components, parts.views) : options.channels;
-    recorder.emplace(names, a.setup.vehicle.actuators(), parts.components, parts.views);
+        options.channels.empty() ? ChannelReader::usual(parts.components, parts.views) : options.channels;
+    recorder.emplace(ChannelReader(names, a.setup.vehicle.actuators(), parts.components, parts.views, "record"));
     reserve(*recorder, a, options);
   }
-  Watcher watcher(a, plant, parts.stack, parts.shadows, parts.components, recorder ? &*recorder : nullptr,
-                  options.every, options.progress);
+  Watcher watcher(a, plant, parts, recorder ? &*recorder : nullptr, options);
   RunResult result;
   result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher);
   result.events = std::move(watcher).take_events();

@@ -8,26 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "gyrostat/host/any.hpp"
+#include "gyrostat/host/assembly.hpp"
 #include "gyrostat/host/loop.hpp"
 #include "gyrostat/host/recorder.hpp"
-#include "gyrostat/host/value.hpp"
 
 namespace gyrostat::host {
-
-/// Components that come from outside the catalogue, for roles whose entry has type = "python".
-struct ExternalComponents {
-  std::function<std::unique_ptr<ObserverBase>(const Setup<double>&)> observer;
-  std::function<std::unique_ptr<DetectorBase>(const Setup<double>&)> detector;
-  std::function<std::unique_ptr<ControllerBase>(const Setup<double>&)> controller;
-  std::function<std::unique_ptr<AllocatorBase>(const Setup<double>&)> allocator;
-};
-
-/// One line of `gyrostat check`.
-struct CheckRow {
-  std::string where, name;
-  Status<double> status;
-};
 
 /// A dated event: a counter of a component, the detector or the reference went up, and to what. Of what the guard did
 /// (guard.rate, guard.controller, ...): the first time, and at how many samples in all.
@@ -54,23 +39,20 @@ struct RunResult {
 };
 
 /// Builds everything without running and asks each component whether it fits.
-std::vector<CheckRow> check(const Table& scenario, const ExternalComponents& external = {});
-
-/// Estimates by role: those that the observer makes and those that the others use. Nothing is known of a component from
-/// outside the catalogue: its role is left out.
-std::vector<std::pair<std::string, Estimates>> estimate_flow(const Table& scenario);
+std::vector<CheckRow> check(const Assembly& a, const ExternalComponents& external = {});
 
 /// How quick the truth is at the start, against the period.
-truth::InnerRates inner_rates(const Table& scenario);
+truth::InnerRates inner_rates(const Assembly& a);
 
-/// The scenario with every default filled in.
-Table resolve(const Table& scenario, const ExternalComponents& external = {});
+/// The scenario that `a` was made from, with every default filled in.
+Table resolve(const Table& scenario, const Assembly& a);
 
 /// Channels that a run of this scenario offers.
-std::vector<ChannelInfo> channels(const Table& scenario, const ExternalComponents& external = {});
+std::vector<ChannelInfo> channels(const Assembly& a, const ExternalComponents& external = {});
 
 /// Runs the scenario. A failing integration, a singularity, a non-finite state or a stack without a command of its own is no
 /// error: the result says so.
+RunResult simulate(const Assembly& a, const ExternalComponents& external = {}, const RunOptions& options = {});
 RunResult simulate(const Table& scenario, const ExternalComponents& external = {}, const RunOptions& options = {});
 
 }  // namespace gyrostat::host

@@ -17,6 +17,8 @@ const Value* Table::find(const std::string& key) const noexcept {
   return nullptr;
 }
 
+Value* Table::find(const std::string& key) noexcept { return const_cast<Value*>(std::as_const(*this).find(key)); }
+
 void Table::set(std::string key, Value value) {
   for (auto& [name, old] : entries_) {
     if (name == key) {

@@ -22,6 +22,7 @@ class Table {
   explicit Table(std::vector<std::pair<std::string, Value>> entries);
 
   const Value* find(const std::string& key) const noexcept;
+  Value* find(const std::string& key) noexcept;
   void set(std::string key, Value value);
   const std::vector<std::pair<std::string, Value>>& entries() const noexcept { return entries_; }
   bool empty() const noexcept;
@@ -45,6 +46,10 @@ class Value {
 
   template <class T>
   const T* as() const noexcept {
+    return std::get_if<T>(&data_);
+  }
+  template <class T>
+  T* as() noexcept {
     return std::get_if<T>(&data_);
   }
   bool is_none() const noexcept { return std::holds_alternative<std::monostate>(data_); }

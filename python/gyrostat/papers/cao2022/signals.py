@@ -74,7 +74,7 @@ def random_attitude(rng: np.random.Generator, *, norm: list[float], rate: float 
         axis = rng.standard_normal(3)
         sigma = rng.uniform(low, high) * axis / np.linalg.norm(axis)
     omega = rate * rng.standard_normal(3)
-    return {"initial": {"mrp": [float(x) for x in sigma], "omega_BN_B": [float(x) for x in omega]}}
+    return {"initial.mrp": sigma, "initial.omega_BN_B": omega}
 
 
 def disturbance(result: Result) -> Array:

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+#include "gyrostat/host/experiment.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "gyrostat/host/alternatives.hpp"
+#include "gyrostat/host/run_parts.hpp"
+
+namespace gyrostat::host {
+namespace {
+
+/// Ends a flight that nobody waits for any more.
+struct Stopped {};
+
+constexpr Tick between_looks = 64;  // samples
+
+/// Onset of the last fault that begins before the end, s; 0 without faults.
+double last_fault(const Assembly& a) {
+  double last = 0;
+  for (const truth::Fault& fault : a.plant.faults) {
+    const double t_on = std::visit([](const auto& f) { return f.t_on; }, fault);
+    if (t_on < a.run.duration) last = std::max(last, t_on);
+  }
+  return last;
+}
+
+/// Feeds the metrics of one flight.
+class Measuring {
+ public:
+  Measuring(const Assembly& a, const truth::Plant& plant, FlightParts& parts, const std::vector<std::string>& channels,
+            const std::atomic<bool>& stop)
+      : reader_(channels, a.setup.vehicle.actuators(), parts.components, parts.views, "measure"),
+        moments_(a, plant, parts.stack, reader_.needs_previous()),
+        parts_(parts),
+        stop_(stop) {}
+
+  struct Meter {
+    std::size_t channel;
+    int column;
+    Metric metric;
+  };
+
+  std::size_t channel(const std::string& name) const {
+    const auto& all = reader_.channels();
+    return static_cast<std::size_t>(
+        std::find_if(all.begin(), all.end(), [&](const ChannelInfo& c) { return c.name == name; }) - all.begin());
+  }
+  const ChannelInfo& info(std::size_t channel) const { return reader_.channels()[channel]; }
+
+  void before(const Measurement<double>&, const Allocation<double>& last) {
+    moments_.before(last);
+    if (reader_.needs_shadows()) shadows_.before(parts_, last);
+  }
+
+  void after(Tick k, const Measurement<double>& y, const Reference<double>& ref) {
+    if (k % between_looks == 0 && stop_.load(std::memory_order_relaxed)) throw Stopped();
+    if (reader_.needs_shadows()) shadows_.after(parts_);
+    const Moment& now = moments_.now(y, ref);
+    reader_.read(now);
+    for (Meter& m : meters) {
+      std::span<const double> x = reader_[m.channel];
+      if (m.column >= 0) x = x.subspan(static_cast<std::size_t>(m.column), 1);
+      std::visit([&](auto& metric) { metric.add(now.t, x); }, m.metric);
+    }
+    moments_.after();
+  }
+
+  std::vector<Meter> meters;
+
+ private:
+  ChannelReader reader_;
+  Moments moments_;
+  ShadowFlight shadows_;
+  FlightParts& parts_;
+  const std::atomic<bool>& stop_;
+};
+
+/// All that flies in one run.
+struct Objects {
+  Assembly a;
+  truth::Plant plant;
+  truth::Sensors sensors;
+  ReferencePath reference;
+  FlightParts parts;
+
+  Objects(Assembly a_in, const ExternalComponents& external, std::uint64_t number,
+          const std::vector<std::string>& channels)
+      : a(std::move(a_in)),
+        plant(a.plant, a.initial, a.setup.dt),
+        sensors(a.sensors, a.run.seed, number, wants_euler(a, channels), a.setup.dt),
+        reference(a.reference, a.setup.dt),
+        parts(a, external) {}
+};
+
+double number_at(const Table& table, const char* key, const Place& place, double lo, double hi) {
+  double x = 0;
+  read(*table.find(key), Key{place, key, lo, hi}, x);
+  return x;
+}
+
+std::string text_at(const Table& table, const char* key, const Place& place) {
+  const Value* value = table.find(key);
+  if (value == nullptr) place.refuse(std::string(key) + " is missing");
+  std::string text;
+  read(*value, Key{place, key}, text);
+  return text;
+}
+
+}  // namespace
+
+Experiment::Experiment(const Table& scenario, const std::vector<std::string>& vary, const Table& measures,
+                       ExternalSource external)
+    : external_(std::move(external)), nominal_(assemble(scenario)), slots_(scenario, nominal_, vary) {
+  for (const auto& [name, entry] : measures.entries()) {
+    meters_.push_back(meter_of(name, entry, nominal_.run.duration));
+    const std::string& channel = meters_.back().channel;
+    if (std::find(channels_.begin(), channels_.end(), channel) == channels_.end()) channels_.push_back(channel);
+  }
+  Objects objects(nominal_, external_ ? external_() : ExternalComponents{}, 0, channels_);  // refuses what they refuse
+  const std::atomic<bool> stop = false;
+  const Measuring measuring(objects.a, objects.plant, objects.parts, channels_, stop);
+  for (const Meter& m : meters_) {
+    const int size = measuring.info(measuring.channel(m.channel)).size;
+    if (m.column < size) continue;
+    throw std::invalid_argument("measure '" + m.name + "': column = " + std::to_string(m.column) + "; " + m.channel +
+                                " has " + std::to_string(size) + " (0 to " + std::to_string(size - 1) + ")");
+  }
+}
+
+Experiment::Meter Experiment::meter_of(const std::string& name, const Value& entry, double duration) {
+  const Place place{"measure '" + name + "'"};
+  const Table* given = entry.as<Table>();
+  if (given == nullptr)
+    place.refuse("is " + std::string(entry.kind()) + "; a table with metric and signal belongs here");
+  Meter m{name, text_at(*given, "signal", place), -1, {}, {}};
+  if (m.channel.ends_with(".*")) place.refuse("signal = '" + m.channel + "' names several channels; one belongs here");
+  const std::string metric = text_at(*given, "metric", place);
+  if (given->find("column") != nullptr)
+    m.column = static_cast<int>(number_at(*given, "column", place, 0, max_actuators));
+  Table numbers;
+  for (const auto& [key, value] : given->entries()) {
+    if (key == "metric" || key == "signal" || key == "column") continue;
+    if (key == "last") {
+      numbers.set("t0", duration - number_at(*given, "last", place, 0, duration));
+    } else if (const auto* text = value.as<std::string>(); text != nullptr && *text == "last_fault") {
+      numbers.set(key, 0.0);
+      m.at_last_fault.push_back(key);
+    } else {
+      numbers.set(key, value);
+    }
+  }
+  m.metric = Alternatives<Metric>::read("metric", metric, numbers, place);
+  return m;
+}
+
+std::vector<std::string> Experiment::metrics() const {
+  std::vector<std::string> names;
+  for (const Meter& m : meters_) names.push_back(m.name);
+  return names;
+}
+
+/// One thread's copy of the scenario.
+class Experiment::Worker {
+ public:
+  Worker(const Experiment& e, const std::atomic<bool>& stop) : e_(e), stop_(stop), copy_(e.slots_) {}
+
+  /// @throws Stopped, and what a component from outside throws
+  Flight fly(std::uint64_t number, std::span<const double> values) {
+    Flight out{{}, std::vector<double>(e_.meters_.size(), measure::never)};
+    std::optional<Objects> objects;
+    try {
+      objects.emplace(assemble(copy_.with(values)), e_.external_ ? e_.external_() : ExternalComponents{}, number,
+                      e_.channels_);
+    } catch (const std::invalid_argument& refusal) {
+      out.end.code = RunEnd::Code::refused;
+      out.end.cause = refusal.what();
+      return out;
+    }
+    auto& [a, plant, sensors, reference, parts] = *objects;
+    Measuring measuring(a, plant, parts, e_.channels_, stop_);
+    for (const Meter& m : e_.meters_) {
+      measuring.meters.push_back({measuring.channel(m.channel), m.column, m.metric});
+      if (m.at_last_fault.empty()) continue;
+      const double onset = last_fault(a);
+      std::visit(
+          [&]<class M>(M& metric) {
+            M::describe(metric, [&](double& x, const Field& f) {
+              const auto& names = m.at_last_fault;
+              if (std::find(names.begin(), names.end(), f.name) != names.end()) x = onset;
+            });
+          },
+          measuring.meters.back().metric);
+    }
+    out.end = host::fly(plant, sensors, reference, parts.stack, a.ticks, measuring);
+    for (std::size_t i = 0; i < measuring.meters.size(); ++i) {
+      out.metrics[i] = std::visit([](const auto& metric) { return metric.value(); }, measuring.meters[i].metric);
+    }
+    return out;
+  }
+
+ private:
+  const Experiment& e_;
+  const std::atomic<bool>& stop_;
+  Slots::Copy copy_;
+};
+
+Table Experiment::scenario(std::uint64_t number, std::span<const double> values) const {
+  Table table = Slots::Copy(slots_).with(values);
+  table.set("run_number", static_cast<std::int64_t>(number));
+  return table;
+}
+
+std::vector<Flight> Experiment::fly(std::uint64_t first, std::size_t flights, std::span<const double> values,
+                                    const FlyOptions& options) const {
+  const std::size_t width = columns().size();
+  if (values.size() != flights * width)
+    throw std::invalid_argument("values: " + std::to_string(values.size()) + " numbers; " + std::to_string(flights) +
+                                " flights of " + std::to_string(width) + " belong there");
+  std::vector<Flight> out(flights);
+  std::atomic<std::size_t> next = 0, done = 0;
+  std::atomic<bool> stop = false;
+  std::mutex mutex;
+  std::condition_variable ended;
+  std::exception_ptr trouble;
+  unsigned working = external_ ? 1U : std::max(1U, options.threads);
+  const auto work = [&] {
+    try {
+      Worker worker(*this, stop);
+      for (std::size_t i; !stop && (i = next.fetch_add(1)) < flights; ++done)
+        out[i] = worker.fly(first + i, values.subspan(i * width, width));
+    } catch (const Stopped&) {
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!trouble) trouble = std::current_exception();
+      stop = true;
+    }
+    const std::lock_guard lock(mutex);
+    --working;
+    ended.notify_all();
+  };
+  std::vector<std::jthread> pool;
+  for (unsigned i = 0, n = working; i < n; ++i) pool.emplace_back(work);
+  try {
+    std::unique_lock lock(mutex);
+    while (!ended.wait_for(lock, std::chrono::milliseconds(200), [&] { return working == 0; })) {
+      lock.unlock();
+      if (options.progress) options.progress(done);
+      lock.lock();
+    }
+  } catch (...) {
+    stop = true;
+    pool.clear();
+    throw;
+  }
+  pool.clear();
+  if (trouble) std::rethrow_exception(trouble);
+  return out;
+}
+
+}  // namespace gyrostat::host
