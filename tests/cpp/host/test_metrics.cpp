@@ -187,6 +187,25 @@ TEST(Metrics, OfOneSampleAfterTheOtherAreThoseOfTheWholeSeries) {
   }
 }
 
+/// A metric that somebody else wrote: this struct is all; in Metric it would have a name for claims and experiments too.
+struct Mean {
+  static constexpr const char* name = "mean";
+  static constexpr const char* meaning = "mean of the first column";
+  double sum = 0, count = 0;
+  static constexpr void describe(auto&, auto&&) {}
+  void add(double, std::span<const double> x) noexcept {
+    sum += x[0];
+    count += 1;
+  }
+  double value() const noexcept { return count > 0 ? sum / count : measure::never; }
+};
+
+TEST(Metrics, ThatAreNotInTheListMeasureASeries) {
+  static_assert(Accumulator<Mean>);
+  const std::vector<double> t = every_second(3), x{1, 9, 2, 9, 6, 9};
+  EXPECT_DOUBLE_EQ(measured(Mean{}, {t, x}), 3.0);
+}
+
 template <class... M>
 void each_metric(std::type_identity<std::variant<M...>>, auto&& look) {
   (look.template operator()<M>(), ...);
