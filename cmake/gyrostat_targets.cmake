@@ -67,7 +67,7 @@ function(gyrostat_precompile target)
     set(empty ${PROJECT_BINARY_DIR}/eigen_pch.cpp)
     file(CONFIGURE OUTPUT ${empty} CONTENT "// compiles the precompiled header\n")
     add_library(gyrostat_eigen_pch OBJECT ${empty})
-    target_link_libraries(gyrostat_eigen_pch PRIVATE Eigen3::Eigen)
+    target_link_libraries(gyrostat_eigen_pch PRIVATE gyrostat_core)  # Eigen as all our code compiles it
     target_compile_features(gyrostat_eigen_pch PRIVATE cxx_std_20)
     gyrostat_flags(gyrostat_eigen_pch)
     set_target_properties(gyrostat_eigen_pch PROPERTIES POSITION_INDEPENDENT_CODE ON)
