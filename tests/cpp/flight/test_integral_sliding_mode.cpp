@@ -168,7 +168,7 @@ TEST(IntegralSlidingMode, PrintedSignSwitchesTheWholeGainWhichStillFallsInsideEp
 
 TEST(IntegralSlidingMode, AJumpOfTheStateLeavesTheSurfaceWhereItWas) {
   const auto setup = li2018::setup(0.25, 0.01);
-  Law law(setup, li2018::controller<double>());
+  Law law(unchecked, setup, li2018::controller<double>());
   Estimate<double> x = Estimate<double>::healthy(tilted(setup).measured<double>(0));
   const Allocation<double> last = Allocation<double>::idle(static_cast<int>(x.h_w.size()));
   (void)law.start(x, {}, {});

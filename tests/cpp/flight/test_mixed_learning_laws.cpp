@@ -165,8 +165,8 @@ TYPED_TEST(MixedLearningLaws, AJumpOfTheStateTeachesNothing) {
     static_cast<void>(law.step(x, det, {}, last));
     EXPECT_NE(telemetry_of(law).at("learnt"), learnt) << "it goes on";
   };
-  expect(MixedLearningSlidingMode<S>(setup, MixedLearningSlidingMode<S>::Params::defaults(setup)));
-  expect(MixedLearningTerminalSlidingMode<S>(setup, MixedLearningTerminalSlidingMode<S>::Params::defaults(setup)));
+  expect(by_default<MixedLearningSlidingMode<S>>(setup));
+  expect(by_default<MixedLearningTerminalSlidingMode<S>>(setup));
 }
 
 TEST(SlidingMode, TheNetworkIsTheOneOfItsPage) {

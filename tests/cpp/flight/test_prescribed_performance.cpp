@@ -230,7 +230,7 @@ TYPED_TEST(PrescribedPerformanceLaw, TakesTheShortWayAtAJumpAndKeepsItBetweenJum
 TEST(PrescribedPerformance, AJumpOfTheStateArmsAnewOnTheShortWay) {
   using C = PrescribedPerformance<double>;
   const gyrostat::Setup<double> setup = orthogonal<double>();
-  C law(setup, default_params<C>(setup)), fresh = law;
+  C law = by_default<C>(setup), fresh = law;
   Estimate<double> x = beyond_half_a_turn(-0.02);
   (void)law.start(x, {}, {});
   for (int k = 0; k < 100; ++k) (void)law.step(x, {}, {}, {});
