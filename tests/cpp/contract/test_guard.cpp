@@ -492,7 +492,7 @@ TYPED_TEST(Guard, ASpikeIsGarbageAndALevelThatStaysIsWhereTheVehicleIs) {
 TYPED_TEST(Guard, AJumpTeachesNothing) {
   using S = TypeParam;
   const auto setup = ftc_4rw<S>();
-  for_every_component<S>(setup, [&](auto stack) {
+  for_every_observer<S>(setup, [&](auto stack) {
     Body body(setup.vehicle);
     body.omega_BN_B = {0.05, -0.04, 0.03};
     body.d_B = {0.01, -0.005, 0.02};
