@@ -16,23 +16,20 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from gyrostat import _core, toml
-from gyrostat.components import range_text
+from gyrostat import _core, printing, toml
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import abandon, checked_target, made_folder, write_text
 from gyrostat.scenario import Scenario, shipped
 from gyrostat.text import one_line, unescaped
 
 if TYPE_CHECKING:
-    from gyrostat.design import Finding
-    from gyrostat.papers import Reproduction
     from gyrostat.results import Result
 
 app = typer.Typer(
@@ -83,17 +80,17 @@ def _status_of(error: BaseException) -> int:
     if _interrupted.is_set():  # Python makes other errors of one that is raised while it makes a class
         return _say_interrupted()
     if isinstance(error, InputError):
-        return _complain(str(error), 2)
+        return printing.complain(str(error), 2)
     if isinstance(error, OSError):  # of the output; files have said their name already
         _drop_output()
         what = f"{error.filename or 'output'}: {(error.strerror or str(error)).lower()}"
-        return 1 if isinstance(error, BrokenPipeError) else _complain(what, 2)
+        return 1 if isinstance(error, BrokenPipeError) else printing.complain(what, 2)
     if isinstance(error, MemoryError):
-        return _complain("there is not enough memory for that", 2)
+        return printing.complain("there is not enough memory for that", 2)
     usage = getattr(error, "format_message", None)  # command line errors of typer, which has moved their class about
     if usage is None:
         raise error
-    return _complain(f"{one_line(usage())} See 'gyrostat --help'.", 2)
+    return printing.complain(f"{one_line(usage())} See 'gyrostat --help'.", 2)
 
 
 def _interrupt(*_: object) -> NoReturn:
@@ -103,7 +100,7 @@ def _interrupt(*_: object) -> NoReturn:
 
 def _say_interrupted() -> int:
     _told.set()
-    return _complain("interrupted", 130)
+    return printing.complain("interrupted", 130)
 
 
 def _watch_for_interruption(patience: float = 1.5) -> None:
@@ -160,10 +157,9 @@ def list_(
             raise InputError(f"no family '{family}'{suggestion(family, known)}")
         known = {family: known[family]}
     if as_json:
-        _print_json(known)
+        printing.as_json(known)
         return
-    for name, members in known.items():
-        typer.echo(f"{name:12} {', '.join(members)}")
+    printing.names(known)
 
 
 @app.command()
@@ -178,20 +174,9 @@ def describe(
     """
     info = _core.describe(*_component(family, name))
     if as_json:
-        _print_json(info)
+        printing.as_json(info)
         return
-    typer.echo(f"{info['family']} {info['name']}")
-    rows = [
-        (
-            p["name"],
-            "required" if p["required"] else "-" if p["default"] is None else _short(p["default"]),
-            p["unit"],
-            "|".join(p["options"]) or range_text(p),
-            p["meaning"] + (" (default scales with the vehicle)" if p["scales"] else ""),
-        )
-        for p in info["params"]
-    ]
-    _print_columns(rows or [("no parameters", "", "", "", "")])
+    printing.component(info)
 
 
 @app.command()
@@ -218,12 +203,12 @@ def run(
     """
     flown = _scenario(scenario, settings)
     with _target(out):
-        with _progress(f"flying {scenario}") as progress:
+        with printing.progress(f"flying {scenario}") as progress:
             result = flown.run(channels=_recorded(flown, out), every=every, progress=progress)
         if out is not None:
             _save(result, out, single_file=single_file)
     if as_json:
-        _print_json(
+        printing.as_json(
             {
                 "scenario": scenario,
                 "status": result.status,
@@ -238,12 +223,10 @@ def run(
             }
         )
     else:
-        typer.echo("; ".join([_summary(result), *flown.remarks()]))
-        if (note := _costly_integrator(result)) is not None:
-            typer.echo(note)
+        printing.run(result, flown.remarks())
     if not result.completed:
         ended = "" if result.status == "no_command" else f"the run ended at {result.end_time:g} s: "
-        raise typer.Exit(_complain(f"{ended}{result.cause or result.status}", 3))
+        raise typer.Exit(printing.complain(f"{ended}{result.cause or result.status}", 3))
 
 
 @app.command()
@@ -274,7 +257,7 @@ def compare(
     from gyrostat import comparison, page
 
     with nullcontext() if out is None else made_folder(page.page_path(out).parent):
-        with _progress(f"comparing {', '.join(names)}") as progress:
+        with printing.progress(f"comparing {', '.join(names)}") as progress:
             runs = comparison.fly(_compared(names, vary, settings), every=every, progress=progress)
         written = None if out is None else page.write_page(out, runs, single_file=single_file)
     if as_json:
@@ -288,15 +271,17 @@ def compare(
             }
             for label, r in runs.items()
         ]
-        _print_json({"runs": rows, "out": None if written is None else str(written)})
+        printing.as_json({"runs": rows, "out": None if written is None else str(written)})
     else:
-        _print_columns(comparison.metric_rows(runs))
+        printing.columns(comparison.metric_rows(runs))
         if written is not None:
             typer.echo(f"page: {written}")
     early = {label: r for label, r in runs.items() if not r.completed}
     if early:
         label, result = next(iter(early.items()))
-        raise typer.Exit(_complain(f"{label} ended at {result.end_time:g} s: {result.cause or result.status}", 3))
+        raise typer.Exit(
+            printing.complain(f"{label} ended at {result.end_time:g} s: {result.cause or result.status}", 3)
+        )
 
 
 def _compared(
@@ -341,7 +326,7 @@ def reproduce(
     page = None
     with nullcontext() if out is None else made_folder(out):
         for one in chosen:
-            with _progress(f"reproducing {one.id}") as progress:
+            with printing.progress(f"reproducing {one.id}") as progress:
                 found.append(papers.reproduce(one, progress=progress))
         if out is not None:
             from gyrostat.report import write_report
@@ -351,10 +336,10 @@ def reproduce(
     if as_json:
         parts = [r.to_dict() for r in found]
         total = {"papers": parts, "passed": sum(p["passed"] for p in parts), "failed": failed}
-        _print_json(total if paper == "all" else parts[0])
+        printing.as_json(total if paper == "all" else parts[0])
     else:
         for reproduction in found:
-            _print_reproduction(reproduction)
+            printing.reproduction(reproduction)
         if page is not None:
             typer.echo(f"report: {page}")
     if failed:
@@ -408,22 +393,11 @@ def check(
     findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
     drawn = [] if out is None else _drawn(checked, out)
     if as_json:
-        _print_json({"checks": rows, "design": [vars(f) for f in findings], "remarks": checked.remarks()})
+        printing.as_json({"checks": rows, "design": [vars(f) for f in findings], "remarks": checked.remarks()})
     else:
-        lines: list[tuple[str, ...]] = [
-            (r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows
-        ]
-        lines += [("scenario", "remark", text) for text in checked.remarks()]
-        _print_columns([*lines, *_finding_lines(findings)])
-        for picture in drawn:
-            typer.echo(f"figure: {picture}")
+        printing.checks(rows, checked.remarks(), findings, drawn)
     if not all(r["ok"] for r in rows) or any(f.ok is False for f in findings):
         raise typer.Exit(1)
-
-
-def _finding_lines(findings: Sequence[Finding]) -> list[tuple[str, ...]]:
-    verdicts = {True: "ok: ", False: "fails: ", None: ""}
-    return [(f.where, f.name, verdicts[f.ok] + f.text) for f in findings]
 
 
 def _drawn(scenario: Scenario, out: Path) -> list[Path]:
@@ -459,11 +433,9 @@ def design(
 
     if name is None:
         if as_json:
-            _print_json({key: d.summary for key, d in DESIGNS.items()})
+            printing.as_json({key: d.summary for key, d in DESIGNS.items()})
             return
-        for key, chosen in DESIGNS.items():
-            typer.echo(f"{key}: {chosen.summary}")
-            _print_columns([("", k, _described(f)) for k, f in chosen.options.model_fields.items()])
+        printing.designs(DESIGNS)
         return
     if name not in DESIGNS:
         raise InputError(f"no design '{name}'{suggestion(name, DESIGNS)}")
@@ -471,22 +443,11 @@ def design(
     given = {} if scenario is None else chosen.of_scenario(Scenario.load(scenario))
     report = chosen.run(chosen.options(**(given | _changes(settings))))
     if as_json:
-        _print_json(report.to_dict())
+        printing.as_json(report.to_dict())
     else:
-        _print_columns(_finding_lines(report.findings))
-        for role, table in report.components.items():
-            typer.echo(f"\n[{role}]")
-            for key, value in table.items():
-                typer.echo(f"{key} = {json.dumps(value)}")
+        printing.design(report)
     if not report.ok:
         raise typer.Exit(1)
-
-
-def _described(option: Any) -> str:
-    """Meaning of an option of a design, with its default."""
-    if option.is_required():
-        return f"{option.description} (must be given)"
-    return str(option.description) + ("" if option.default is None else f" (default {option.default:g})")
 
 
 @app.command()
@@ -612,162 +573,6 @@ def _save(result: Result, out: Path, *, single_file: bool) -> None:
     if len(result) > 1:
         result.plot().save(out / "overview.png")
     result.to_html(out, single_file=single_file)
-
-
-def _summary(result: Result) -> str:
-    """How a run went, in one line."""
-    values = result.metrics.to_dict()
-    after = " after the last fault" if result.metrics.last_fault > 0.0 else ""
-    parts = []
-    if values["pointing_error"] is not None:
-        settled = values["settling_time"]
-        parts.append("does not settle to 0.1 deg" if settled is None else f"settled to 0.1 deg {settled:.1f} s{after}")
-        parts.append(f"pointing error {math.degrees(values['pointing_error']):.3g} deg (rms, last tenth)")
-    if values["saturated_fraction"] is not None:
-        parts.append(f"at a limit {100 * values['saturated_fraction']:.3g} % of the time")
-    parts += _guarded(result)
-    if "estimate.effectiveness" in result.channels and "truth.effectiveness" in result.channels:
-        estimated, true = result["estimate.effectiveness"][-1], result["truth.effectiveness"][-1]
-        parts += [
-            f"actuator {i} estimated at {e:.2f}, true {t:.2f}"
-            for i, (e, t) in enumerate(zip(estimated, true, strict=True))
-            if e != 1.0
-        ]
-    if "detector.declared" in result.channels:
-        parts += _declared(result)
-    return "; ".join(parts) or f"{len(result)} samples to {result.end_time:g} s"
-
-
-def _guarded(result: Result) -> list[str]:
-    """What the guard had to do, from when on, and how often."""
-    done = [e for e in result.events if e.name.startswith("guard.")]
-    samples = max(int(result.statistics.get("samples", len(result))), 1)
-    return [
-        f"{e.name.removeprefix('guard.')} {_guard_words[e.name]} at {100 * e.count / samples:.3g} % of the samples, "
-        f"first at {e.t:g} s"
-        for e in done
-    ]
-
-
-_guard_words = {f"guard.{name}": "not measured" for name in ("attitude", "rate", "momentum")}
-_guard_words |= {f"guard.{name}": "started again" for name in ("observer", "detector", "controller", "allocator")}
-_guard_words |= {"guard.reference": "held", "guard.command": "held"}
-
-
-def _costly_integrator(result: Result) -> str | None:
-    """A line when CVODE took more than four steps where `auto` takes about one: such a run takes ten times as long."""
-    work = result.statistics
-    pieces = max(1, work["pieces"])
-    if work["restarts"] == 0 or work["steps"] <= 4 * pieces:
-        return None
-    return (
-        f"cvode took {work['steps'] / pieces:.1f} steps where one would do: its history does not fit new commands; "
-        'integrator = "auto" would have flown this in less than a tenth of the time'
-    )
-
-
-def _declared(result: Result) -> list[str]:
-    """When the detector declared which actuators, and how long after a fault of theirs; a count when it was often."""
-    from gyrostat.detection import declarations, true_changes
-
-    found = declarations(result)
-    if len(found) > 5:
-        return [f"{len(found)} faults declared"]
-    every_sample = len(result) > 1 and result.t[1] < 1.5 * float(result.description["dt"])
-    faults = true_changes(result, 0.05) if every_sample and "truth.effectiveness" in result.channels else []
-    parts = []
-    for t, mask in found:
-        named = [i for i in range(mask.bit_length()) if mask >> i & 1]
-        earlier = [at for at, actuator, _ in faults if actuator in named and at <= t]
-        after = f", {t - earlier[-1]:.2f} s after a fault of it" if earlier else ""
-        parts.append(f"actuator {', '.join(map(str, named))} declared at {t:.2f} s{after}")
-    return parts
-
-
-def _print_reproduction(reproduction: Reproduction) -> None:
-    from gyrostat.report import number
-
-    rows = [("claim", "published", "measured", "accepted", "", "published statement")]
-    for e in reproduction.evaluations:
-        low, high = (number(end) for end in e.claim.accept)
-        rows.append(
-            (
-                e.claim.id,
-                number(e.claim.published),
-                number(e.measured),
-                f"[{low}, {high}]",
-                "ok" if e.ok else "FAILED",
-                e.verdict,
-            )
-        )
-    _print_columns(rows)
-    passed = len(reproduction.evaluations) - reproduction.failed
-    typer.echo(f"{reproduction.paper.id}: {passed} of {len(reproduction.evaluations)} claims accepted")
-
-
-def _print_columns(rows: Sequence[Sequence[str]]) -> None:
-    columns = max(len(r) for r in rows)
-    widths = [max((len(r[i]) for r in rows if i < len(r)), default=0) for i in range(columns)]
-    for row in rows:
-        typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)).rstrip())
-
-
-def _print_json(value: Any) -> None:
-    typer.echo(json.dumps(_finite(value), indent=2, allow_nan=False))
-
-
-def _finite(value: Any) -> Any:
-    """JSON knows no infinity: an open end is null."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {k: _finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(v) for v in value]
-    return value
-
-
-def _short(value: Any) -> str:
-    if isinstance(value, list):
-        return f"[{', '.join(_short(v) for v in value)}]"
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _relation(row: Mapping[str, Any]) -> str:
-    return f"{row['quantity']} = {row['value']:g}, must be {row['relation']} {row['limit']:g}"
-
-
-def _complain(text: str, status: int) -> int:
-    with suppress(OSError):  # nobody listens there either
-        typer.echo(f"error: {text}", err=True)
-    return status
-
-
-@contextmanager
-def _progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr, if that is a terminal, that appears when the work takes longer than `patience` seconds."""
-    started = time.monotonic()
-    bar: Any = None
-    task: Any = None
-
-    def report(fraction: float) -> None:
-        nonlocal bar, task
-        if bar is None:
-            if time.monotonic() - started < patience or not sys.stderr.isatty():
-                return
-            from rich.console import Console
-            from rich.progress import Progress
-
-            bar = Progress(console=Console(stderr=True), transient=True)
-            task = bar.add_task(label, total=1.0)
-            bar.start()
-        bar.update(task, completed=fraction)
-
-    try:
-        yield report
-    finally:
-        if bar is not None:
-            bar.stop()
 
 
 __all__ = ["app", "main"]

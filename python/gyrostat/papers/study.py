@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: MIT
+"""Studies: cases, campaigns, claims and figures, read from a folder. `gyrostat.papers` says what one holds."""
+
+from __future__ import annotations
+
+import fnmatch
+import importlib
+import importlib.util
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+
+from gyrostat import toml
+from gyrostat.errors import InputError, input_errors, suggestion
+from gyrostat.model import Model
+from gyrostat.papers.campaigns import Campaign, CampaignEntry, Ensemble, build
+from gyrostat.papers.claims import Claim, MeasurementEntry, Subjects
+from gyrostat.results import Result
+from gyrostat.scenario import Scenario
+
+if TYPE_CHECKING:
+    from gyrostat.plots import Figure
+
+_folder = Path(__file__).parent
+
+
+class CaseEntry(Model):
+    """One ``[cases.<id>]`` table of a ``claims.toml``."""
+
+    title: str = ""
+    scenario: str | None = None
+    like: str | None = None
+    set: Annotated[dict[str, Any], Field(default_factory=dict)]
+    seeds: Annotated[list[int], Field(default_factory=list)]
+
+    def scenarios(self, folder: Path, key: str, earlier: Mapping[str, Scenario]) -> Iterator[tuple[str, str, Scenario]]:
+        """Identifier, title and scenario of the case, and of the same with each of its seeds."""
+        if self.like is None:
+            base = Scenario.from_toml(folder / "scenarios" / f"{self.scenario or key}.toml")
+        elif self.scenario is not None:
+            raise InputError("give scenario or like, not both")
+        elif self.like not in earlier:
+            raise InputError(f"no case '{self.like}' before it{suggestion(self.like, earlier)}")
+        else:
+            base = earlier[self.like]
+        scenario = base.replace(**self.set) if self.set else base
+        title = self.title or scenario.description or key
+        yield key, title, scenario
+        for seed in self.seeds:
+            yield f"{key}_{seed}", f"{title}, seed {seed}", scenario.replace(seed=seed)
+
+
+class ClaimsFile(Model):
+    """A ``claims.toml``."""
+
+    title: str
+    citation: str
+    record: list[str] | None = None
+    cases: dict[str, CaseEntry]
+    campaigns: Annotated[dict[str, CampaignEntry], Field(default_factory=dict)]
+    claims: list[MeasurementEntry]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One experiment."""
+
+    id: str
+    title: str
+    scenario: Scenario
+
+    @property
+    def integrator(self) -> str:
+        """Name of the integrator that flew it."""
+        return str(self.scenario.resolve()["integrator"]["type"])
+
+
+@dataclass(frozen=True)
+class PaperFigure:
+    """A figure of a study: `draw` gets the results by case."""
+
+    name: str
+    caption: str
+    cases: Sequence[str]
+    draw: Callable[[Mapping[str, Result]], Figure]
+
+
+@dataclass(frozen=True)
+class EnsembleFigure:
+    """A figure of a study about its campaigns: `draw` gets what they measured, by campaign."""
+
+    name: str
+    caption: str
+    campaigns: Sequence[str]
+    draw: Callable[[Mapping[str, Ensemble]], Figure]
+
+
+@dataclass(frozen=True)
+class Paper:
+    """A study: cases, campaigns, claims, figures."""
+
+    id: str
+    title: str
+    citation: str
+    cases: Mapping[str, Case]
+    claims: tuple[Claim, ...]
+    figures: tuple[PaperFigure | EnsembleFigure, ...]
+    campaigns: Mapping[str, Campaign] = field(default_factory=dict)
+
+    def needed_later(self) -> set[str]:
+        """Cases whose results figures or claims about two cases ask for."""
+        compared = [c for c in self.claims if c.measure.others]
+        return {c for f in self.figures if isinstance(f, PaperFigure) for c in f.cases} | {
+            o for c in compared for o in (c.case, *c.measure.others)
+        }
+
+
+def available() -> list[str]:
+    """Identifiers of the studies that come with the package."""
+    return sorted(p.parent.name for p in _folder.glob("*/claims.toml"))
+
+
+def load(name: str) -> Paper:
+    """A study by its identifier, or by the path of its folder.
+
+    Raises
+    ------
+    InputError
+        No such study, or something in its claims cannot be understood: file, claim and key are named.
+    """
+    folder = next((f for f in (Path(name), _folder / name) if _is_study(f)), None)
+    if folder is None:
+        raise InputError(f"no paper '{name}'{suggestion(name, [*available(), 'all'])}")
+    source = folder / "claims.toml"
+    tables = toml.read(source)
+    with input_errors(str(source)):
+        entries = ClaimsFile(**tables)
+        modules = _Extensions(folder)
+        record = _Record(entries.record)
+        scenarios: dict[str, Scenario] = {}
+        cases: dict[str, Case] = {}
+        for key, entry in entries.cases.items():
+            with input_errors(f"case '{key}'"):
+                for name_, title, scenario in entry.scenarios(folder, key, scenarios):
+                    if name_ in cases:
+                        raise InputError(f"there is a case '{name_}' already")
+                    scenarios[name_] = scenario
+                    cases[name_] = Case(name_, title, record.kept_by(scenario))
+        record.check()
+        campaigns = {key: _campaign(key, entry, scenarios, modules) for key, entry in entries.campaigns.items()}
+        metrics, signals = (modules.attribute("signals", attribute, {}) for attribute in ("METRICS", "SIGNALS"))
+        claims = Subjects(cases, campaigns, metrics, signals).claims(entries.claims)
+        figures = tuple(modules.attribute("figures", "FIGURES", []))
+        for figure in figures:
+            if isinstance(figure, EnsembleFigure):
+                _known("campaign", figure.campaigns, campaigns)
+            else:
+                _known("case", figure.cases, cases)
+    return Paper(folder.name, entries.title, entries.citation, cases, claims, figures, campaigns)
+
+
+def _is_study(folder: Path) -> bool:
+    try:
+        return (folder / "claims.toml").exists()
+    except OSError:  # a name too long for a folder, say
+        return False
+
+
+def _known(what: str, needed: Iterable[str], known: Collection[str]) -> None:
+    unknown = set(needed) - set(known)
+    if unknown:
+        raise InputError(f"a figure needs {what} '{min(unknown)}'{suggestion(min(unknown), known)}")
+
+
+class _Record:
+    """Channels that every case keeps as far as it offers them; none is for nothing."""
+
+    def __init__(self, channels: Sequence[str] | None) -> None:
+        self._channels = channels
+        self._never = set(channels or ())
+        self._offered: set[str] = set()
+
+    def kept_by(self, scenario: Scenario) -> Scenario:
+        """The scenario with what it keeps; one that chooses its channels itself stays as it is."""
+        if self._channels is None or (scenario.record is not None and scenario.record.channels is not None):
+            return scenario
+        offered = [channel["name"] for channel in scenario.channel_names()]
+        kept = [name for name in self._channels if fnmatch.filter(offered, name)]
+        self._never -= set(kept)
+        self._offered.update(offered)
+        return scenario.replace(**{"record.channels": kept})
+
+    def check(self) -> None:
+        """When all cases are known."""
+        if self._never and self._offered:
+            name = min(self._never)
+            raise InputError(f"record: no case has a channel '{name}'{suggestion(name, self._offered)}")
+
+
+def _campaign(key: str, entry: CampaignEntry, scenarios: Mapping[str, Scenario], modules: _Extensions) -> Campaign:
+    with input_errors(f"campaign '{key}'"):
+        if key in scenarios:
+            raise InputError("a case has that name already")
+        if entry.like not in scenarios:
+            raise InputError(f"no case '{entry.like}'{suggestion(entry.like, scenarios)}")
+        samplers = modules.attribute("signals", "SAMPLERS", {})
+        return build(key, entry, scenarios[entry.like], samplers)
+
+
+class _Extensions:
+    """The Python part of a study, if it has one."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def attribute(self, module: str, name: str, default: Any) -> Any:
+        path = self._folder / f"{module}.py"
+        if not path.exists():
+            return default
+        if self._folder.parent == _folder:
+            loaded = importlib.import_module(f"gyrostat.papers.{self._folder.name}.{module}")
+        else:
+            spec = importlib.util.spec_from_file_location(f"{self._folder.name}_{module}", path)
+            assert spec is not None
+            assert spec.loader is not None
+            loaded = importlib.util.module_from_spec(spec)
+            spec.loader.exec_module(loaded)
+        return getattr(loaded, name, default)
+
+
+__all__ = ["Case", "EnsembleFigure", "Paper", "PaperFigure", "available", "load"]

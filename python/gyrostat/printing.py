@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: MIT
+"""What the command ``gyrostat`` prints: lines, columns, JSON and a bar of progress."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from gyrostat.components import range_text
+
+if TYPE_CHECKING:
+    from gyrostat.design import Design, DesignReport, Finding
+    from gyrostat.papers import Reproduction
+    from gyrostat.results import Result
+
+
+def names(families: Mapping[str, Sequence[str]]) -> None:
+    """A line a family."""
+    for name, members in families.items():
+        typer.echo(f"{name:12} {', '.join(members)}")
+
+
+def component(info: Mapping[str, Any]) -> None:
+    """A component with its parameters."""
+    typer.echo(f"{info['family']} {info['name']}")
+    rows = [
+        (
+            p["name"],
+            "required" if p["required"] else "-" if p["default"] is None else _short(p["default"]),
+            p["unit"],
+            "|".join(p["options"]) or range_text(p),
+            p["meaning"] + (" (default scales with the vehicle)" if p["scales"] else ""),
+        )
+        for p in info["params"]
+    ]
+    columns(rows or [("no parameters", "", "", "", "")])
+
+
+def run(result: Result, remarks: Sequence[str]) -> None:
+    """How a run went: a line, and another one when its integrator was a poor choice."""
+    typer.echo("; ".join([_summary(result), *remarks]))
+    if (note := _costly_integrator(result)) is not None:
+        typer.echo(note)
+
+
+def checks(
+    rows: Sequence[Mapping[str, Any]], remarks: Sequence[str], findings: Sequence[Finding], pictures: Sequence[Path]
+) -> None:
+    """What a check of a scenario found."""
+    lines: list[tuple[str, ...]] = [
+        (r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows
+    ]
+    lines += [("scenario", "remark", text) for text in remarks]
+    columns([*lines, *_finding_lines(findings)])
+    for picture in pictures:
+        typer.echo(f"figure: {picture}")
+
+
+def designs(known: Mapping[str, Design]) -> None:
+    """Every design with its options."""
+    for key, one in known.items():
+        typer.echo(f"{key}: {one.summary}")
+        columns([("", k, _described(f)) for k, f in one.options.model_fields.items()])
+
+
+def design(report: DesignReport) -> None:
+    """Conditions of a design, then its components as they stand in a scenario."""
+    columns(_finding_lines(report.findings))
+    for role, table in report.components.items():
+        typer.echo(f"\n[{role}]")
+        for key, value in table.items():
+            typer.echo(f"{key} = {json.dumps(value)}")
+
+
+def reproduction(found: Reproduction) -> None:
+    """Every claim of a study, and how many are accepted."""
+    from gyrostat.report import number
+
+    rows = [("claim", "published", "measured", "accepted", "", "published statement")]
+    for e in found.evaluations:
+        low, high = (number(end) for end in e.claim.accept)
+        rows.append(
+            (
+                e.claim.id,
+                number(e.claim.published),
+                number(e.measured),
+                f"[{low}, {high}]",
+                "ok" if e.ok else "FAILED",
+                e.verdict,
+            )
+        )
+    columns(rows)
+    passed = len(found.evaluations) - found.failed
+    typer.echo(f"{found.paper.id}: {passed} of {len(found.evaluations)} claims accepted")
+
+
+def columns(rows: Sequence[Sequence[str]]) -> None:
+    """Cells under each other; the last of a row may be missing."""
+    most = max(len(r) for r in rows)
+    widths = [max((len(r[i]) for r in rows if i < len(r)), default=0) for i in range(most)]
+    for row in rows:
+        typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)).rstrip())
+
+
+def as_json(value: Any) -> None:
+    """Indented JSON."""
+    typer.echo(json.dumps(_finite(value), indent=2, allow_nan=False))
+
+
+def complain(text: str, status: int) -> int:
+    """One line on stderr; the status is handed on."""
+    with suppress(OSError):  # nobody listens there either
+        typer.echo(f"error: {text}", err=True)
+    return status
+
+
+@contextmanager
+def progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], None]]:
+    """A bar on stderr, if that is a terminal, that appears when the work takes longer than `patience` seconds."""
+    started = time.monotonic()
+    bar: Any = None
+    task: Any = None
+
+    def report(fraction: float) -> None:
+        nonlocal bar, task
+        if bar is None:
+            if time.monotonic() - started < patience or not sys.stderr.isatty():
+                return
+            from rich.console import Console
+            from rich.progress import Progress
+
+            bar = Progress(console=Console(stderr=True), transient=True)
+            task = bar.add_task(label, total=1.0)
+            bar.start()
+        bar.update(task, completed=fraction)
+
+    try:
+        yield report
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+def _summary(result: Result) -> str:
+    """How a run went, in one line."""
+    values = result.metrics.to_dict()
+    after = " after the last fault" if result.metrics.last_fault > 0.0 else ""
+    parts = []
+    if values["pointing_error"] is not None:
+        settled = values["settling_time"]
+        parts.append("does not settle to 0.1 deg" if settled is None else f"settled to 0.1 deg {settled:.1f} s{after}")
+        parts.append(f"pointing error {math.degrees(values['pointing_error']):.3g} deg (rms, last tenth)")
+    if values["saturated_fraction"] is not None:
+        parts.append(f"at a limit {100 * values['saturated_fraction']:.3g} % of the time")
+    parts += _guarded(result)
+    if "estimate.effectiveness" in result.channels and "truth.effectiveness" in result.channels:
+        estimated, true = result["estimate.effectiveness"][-1], result["truth.effectiveness"][-1]
+        parts += [
+            f"actuator {i} estimated at {e:.2f}, true {t:.2f}"
+            for i, (e, t) in enumerate(zip(estimated, true, strict=True))
+            if e != 1.0
+        ]
+    if "detector.declared" in result.channels:
+        parts += _declared(result)
+    return "; ".join(parts) or f"{len(result)} samples to {result.end_time:g} s"
+
+
+def _guarded(result: Result) -> list[str]:
+    """What the guard had to do, from when on, and how often."""
+    done = [e for e in result.events if e.name.startswith("guard.")]
+    samples = max(int(result.statistics.get("samples", len(result))), 1)
+    return [
+        f"{e.name.removeprefix('guard.')} {_guard_words[e.name]} at {100 * e.count / samples:.3g} % of the samples, "
+        f"first at {e.t:g} s"
+        for e in done
+    ]
+
+
+_guard_words = {f"guard.{name}": "not measured" for name in ("attitude", "rate", "momentum")}
+_guard_words |= {f"guard.{name}": "started again" for name in ("observer", "detector", "controller", "allocator")}
+_guard_words |= {"guard.reference": "held", "guard.command": "held"}
+
+
+def _costly_integrator(result: Result) -> str | None:
+    """A line when CVODE took more than four steps where `auto` takes about one: such a run takes ten times as long."""
+    work = result.statistics
+    pieces = max(1, work["pieces"])
+    if work["restarts"] == 0 or work["steps"] <= 4 * pieces:
+        return None
+    return (
+        f"cvode took {work['steps'] / pieces:.1f} steps where one would do: its history does not fit new commands; "
+        'integrator = "auto" would have flown this in less than a tenth of the time'
+    )
+
+
+def _declared(result: Result) -> list[str]:
+    """When the detector declared which actuators, and how long after a fault of theirs; a count when it was often."""
+    from gyrostat.detection import declarations, true_changes
+
+    found = declarations(result)
+    if len(found) > 5:
+        return [f"{len(found)} faults declared"]
+    every_sample = len(result) > 1 and result.t[1] < 1.5 * float(result.description["dt"])
+    faults = true_changes(result, 0.05) if every_sample and "truth.effectiveness" in result.channels else []
+    parts = []
+    for t, mask in found:
+        named = [i for i in range(mask.bit_length()) if mask >> i & 1]
+        earlier = [at for at, actuator, _ in faults if actuator in named and at <= t]
+        after = f", {t - earlier[-1]:.2f} s after a fault of it" if earlier else ""
+        parts.append(f"actuator {', '.join(map(str, named))} declared at {t:.2f} s{after}")
+    return parts
+
+
+def _finding_lines(findings: Sequence[Finding]) -> list[tuple[str, ...]]:
+    verdicts = {True: "ok: ", False: "fails: ", None: ""}
+    return [(f.where, f.name, verdicts[f.ok] + f.text) for f in findings]
+
+
+def _described(option: Any) -> str:
+    """Meaning of an option of a design, with its default."""
+    if option.is_required():
+        return f"{option.description} (must be given)"
+    return str(option.description) + ("" if option.default is None else f" (default {option.default:g})")
+
+
+def _relation(row: Mapping[str, Any]) -> str:
+    return f"{row['quantity']} = {row['value']:g}, must be {row['relation']} {row['limit']:g}"
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_short(v) for v in value)}]"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _finite(value: Any) -> Any:
+    """JSON knows no infinity: an open end is null."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(v) for v in value]
+    return value
+
+
+__all__ = [
+    "as_json",
+    "checks",
+    "columns",
+    "complain",
+    "component",
+    "design",
+    "designs",
+    "names",
+    "progress",
+    "reproduction",
+    "run",
+]
