@@ -22,6 +22,7 @@
 #include "gyrostat/flight/observers/mixed_learning.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
 #include "gyrostat/host/assembly.hpp"
+#include "gyrostat/host/loop.hpp"
 #include "scenarios.hpp"
 
 namespace gyrostat::bench {
