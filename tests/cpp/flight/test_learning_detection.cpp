@@ -319,9 +319,9 @@ struct LearningWrittenOut {
   Vec3<double> what = Vec3<double>::Zero();
   VecN<double> h_w = VecN<double>::Zero(4);
   double k1 = 0, k2 = 0, k4 = 0;
-  std::vector<Vec3<double>> error;
-  std::vector<VecN<double>> e;
-  Mask seen;
+  std::vector<Vec3<double>> error{};
+  std::vector<VecN<double>> e{};
+  Mask seen{};
 
   void start(const Measurement<double>& y) {
     what = y.omega_BN_B;

@@ -80,6 +80,7 @@ TEST(Traits, AnAxiswiseComponentDoesNotKnowTheNamesOfTheBodyAxes) {
       if (!host::describe(role, name).traits.axiswise) continue;
       host::Table s = bench::ftc_4rw("rk4");
       s.set("allow_unstable", true);
+      s.set("observer", host::Table{{"type", "iterative_learning"}});  // something to divide by and to detect
       s.set(role, host::Table{{"type", name}});
       const host::Assembly a = host::assemble(s);
       for (int i = 0; i < 4; ++i, turn += 5)  // 5: no common factor with 23
