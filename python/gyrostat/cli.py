@@ -18,6 +18,7 @@ import time
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -327,7 +328,8 @@ def reproduce(
     with nullcontext() if out is None else made_folder(out):
         for one in chosen:
             with printing.progress(f"reproducing {one.id}") as progress:
-                found.append(papers.reproduce(one, progress=progress))
+                needed = one if out is not None else replace(one, figures=())  # results that nobody draws are let go
+                found.append(papers.reproduce(needed, progress=progress))
         if out is not None:
             from gyrostat.report import write_report
 

@@ -16,7 +16,7 @@ from gyrostat.report import write_report
 CLAIMS = """
 title = "A study of one wheel"
 citation = "Nobody, nowhere"
-record = ["truth.omega_BN_B", "error.angle", "allocation.u"]
+record = ["truth.omega_BN_B", "error.angle", "allocation.u", "shadow0.estimate.*"]
 
 [cases.degraded]
 [cases.healthy]
@@ -25,16 +25,24 @@ scenario = "degraded"
 set = { "faults" = [] }
 [cases.heavy]
 like = "healthy"
+seeds = [2, 3]
 set = { "vehicle.u_max" = 0.1, "record.channels" = ["allocation.u"] }
+[cases.watched]
+like = "healthy"
+seeds = [5]
+set = { shadows = [{ observer = "finite_time_disturbance" }] }
 
 [[claims]]
-id = "peak"
-case = ["degraded", "healthy"]
 quantity = "largest command, N m"
 published = 0.25
 reported = ["-inf", 0.25]
-accept = [0.0, 0.2000001]
 measure = { metric = "window_max", signal = "allocation.u", window = [0, 5] }
+note = "early"
+rows = [
+  { id = "peak", case = ["degraded", "healthy"], accept = [0.0, 0.2000001] },  # the limit
+  { id = "late", case = "healthy", column = 1, window = [5, 6], accept = [0, 0.1], quantity = "u1, N m", note = "" },
+  { id = "limited", case = "heavy_3", published = "less", accept = [0.1, 0.1] },
+]
 
 [[claims]]
 id = "too_good"
@@ -102,7 +110,16 @@ def test_claims_are_measured_and_judged(study: Path) -> None:
     fractions: list[float] = []
     reproduction = papers.reproduce(papers.load(str(study)), progress=fractions.append)
     found = {e["id"]: e for e in reproduction.to_dict()["claims"]}
-    assert list(found) == ["peak@degraded", "peak@healthy", "too_good", "same", "impossible", "own"]
+    assert list(found) == [
+        "peak@degraded",
+        "peak@healthy",
+        "late",
+        "limited",
+        "too_good",
+        "same",
+        "impossible",
+        "own",
+    ]
     keys = {"id", "case", "quantity", "published", "measured", "accept", "ok", "verdict", "note"}
     assert set(found["same"]) == keys
     assert found["peak@healthy"]["ok"]
@@ -118,7 +135,7 @@ def test_claims_are_measured_and_judged(study: Path) -> None:
     assert not found["impossible"]["ok"]
     assert found["impossible"]["verdict"] == "not measured"
     assert found["own"]["measured"] == 3.0
-    assert (reproduction.to_dict()["passed"], reproduction.failed) == (5, 1)
+    assert (reproduction.to_dict()["passed"], reproduction.failed) == (7, 1)
     assert fractions[-1] == 1.0
 
 
@@ -149,6 +166,38 @@ def test_a_case_starts_from_an_earlier_one_with_its_changes(study: Path) -> None
         papers.load(str(study))
 
 
+def test_a_row_takes_from_its_table_what_it_does_not_say(study: Path) -> None:
+    peak, _, late, limited = papers.load(str(study)).claims[:4]
+    assert (peak.quantity, peak.published, peak.reported, peak.note) == (
+        "largest command, N m",
+        0.25,
+        (-np.inf, 0.25),
+        "early",
+    )
+    assert (peak.measure.arguments, peak.measure.column) == ({"window": [0, 5]}, None)
+    assert (late.quantity, late.published, late.note) == ("u1, N m", 0.25, "")
+    assert (late.measure.arguments, late.measure.column) == ({"window": [5, 6]}, 1)
+    assert (limited.case, limited.published, limited.accept) == ("heavy_3", "less", (0.1, 0.1))
+
+
+def test_seeds_make_cases(study: Path) -> None:
+    cases = papers.load(str(study)).cases
+    assert list(cases) == ["degraded", "healthy", "heavy", "heavy_2", "heavy_3", "watched", "watched_5"]
+    assert cases["heavy_2"].title == f"{cases['heavy'].title}, seed 2"
+    assert cases["heavy_2"].scenario == cases["heavy"].scenario.replace(seed=2)
+
+
+def test_a_case_keeps_what_it_offers_of_the_record(study: Path) -> None:
+    kept = {
+        key: case.scenario.record.channels if case.scenario.record else None
+        for key, case in papers.load(str(study)).cases.items()
+    }
+    alone = ("truth.omega_BN_B", "error.angle", "allocation.u")
+    assert kept["degraded"] == kept["healthy"] == alone
+    assert kept["heavy"] == kept["heavy_2"] == ("allocation.u",), "its own choice"
+    assert kept["watched"] == kept["watched_5"] == (*alone, "shadow0.estimate.*")
+
+
 def test_a_claim_may_compare_two_cases_that_no_figure_shows(study: Path) -> None:
     (study / "figures.py").unlink()
     found = {e["id"]: e for e in papers.reproduce(papers.load(str(study))).to_dict()["claims"]}
@@ -177,9 +226,17 @@ def test_a_run_that_ended_before_the_window_counts_as_failed(study: Path) -> Non
         ('metric = "final"', 'metric = "finale"', ["claim 'too_good'", "finale", "did you mean 'final'"]),
         ('case = "degraded"', 'case = "degrade"', ["claim 'too_good'", "degrade", "did you mean 'degraded'"]),
         ('signal = "error.angle" }', 'signl = "error.angle" }', ["too_good", "signl"]),
-        ("accept = [1e-9,", "accept = [true,", ["claims[1]", "accept"]),
+        ("accept = [1e-9,", "accept = [true,", ["claim 'too_good'", "accept"]),
         ('accept = [1e-9, "inf"]', 'accept = [1, "wide"]', ["too_good", "wide"]),
-        ("accept = [1e-9,", "acept = [1e-9,", ["claims[1]"]),
+        ("accept = [1e-9,", "acept = [1e-9,", ["claim 'too_good'", "accept is missing"]),
+        ("accept = [0, 0.1],", "", ["claim 'late'", "accept is missing"]),
+        ("column = 1,", "colunm = 1,", ["claim 'late'", "colunm", "did you mean 'column'"]),
+        ("column = 1,", 'measure = { metric = "final" },', ["claim 'late'", "no argument 'measure'"]),
+        ('id = "late", ', "", ["id is missing"]),
+        ("rows = [", "rows = []\nother = [", ["claims[0]: rows = []"]),
+        ('"error.angle", "alloc', '"error.angel", "alloc', ["record", "error.angel", "did you mean 'error.angle'"]),
+        ("seeds = [5]", 'seeds = ["five"]', ["cases.watched: seeds[0]"]),
+        ("[cases.watched]", "[cases.heavy_3]", ["case 'heavy_3'", "already"]),
         ('scenario = "degraded"', 'scenario = "absent"', ["case 'healthy'", "absent.toml"]),
         ('set = { "faults" = [] }', 'set = { "faults.0.remainin" = 1 }', ["case 'healthy'", "remainin"]),
         ('id = "own"', 'id = "same"', ["'same'", "twice"]),
