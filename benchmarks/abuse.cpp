@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A million samples a component with spoilt inputs (NaN, infinite, huge, tiny, wrong, frozen, missing): what came out, and the
-// slowest way back to normal flight. `bench_abuse [samples]` prints tests/golden/recovery.csv, which the docs show and a test
-// holds; then a million more, over fifteen vehicles with limits of every kind. Exit status 1 for a command that was not finite or
-// outside its limits, or a loop that did not recover.
+// slowest way back to normal flight. `bench_abuse [samples [component...]]` prints tests/golden/recovery.csv, which the docs show
+// and a test holds; then a million more, over fifteen vehicles with limits of every kind. Exit status 1 for a command that was not
+// finite or outside its limits, or a loop that did not recover.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
   for (const auto& [role, names] : host::families()) {
     if (role != "observer" && role != "detector" && role != "controller" && role != "allocator") continue;
     for (const std::string& name : names) {
+      if (argc > 2 && std::find(argv + 2, argv + argc, name) == argv + argc) continue;
       const bool regulates = role != "controller" || host::describe(role, name).traits.regulates;
       const test::Outcome o = test::abuse(test::loop_with(role, name), regulates, samples, 20261124u);
       const long stated = (o.slowest + o.slowest / 4) / 100 * 100 + 100;

@@ -112,7 +112,7 @@ inline void spoil(Spoil how, Random& random, Measurement<double>& y, Reference<d
 /// What a stack did under abuse.
 struct Outcome {
   long samples = 0, episodes = 0;
-  long not_finite = 0;    ///< samples with a non-finite command, or one that threw the vehicle out of all numbers
+  long not_finite = 0;    ///< samples with a non-finite command, or one that threw the vehicle out of all that can be flown
   long outside = 0;       ///< samples with a command outside its limits
   long held = 0;          ///< samples with Flag::input_held
   long reset = 0;         ///< samples with Flag::component_reset
@@ -160,6 +160,9 @@ class AbusedLoop {
     try {
       plant_.advance(last.u);
     } catch (const truth::NonFiniteState&) {
+      ++out.not_finite;
+      return false;
+    } catch (const truth::IntegrationError&) {
       ++out.not_finite;
       return false;
     }

@@ -135,13 +135,14 @@ class PreassignedTimeSlidingMode {
     return (last.achieved_B - last.demand_B).norm() > S(0.01) * last.demand_B.norm() + S(1e-3) * torque_;
   }
 
-  /// Once the command falls short: stopping takes more than a radian, or the gyroscopic torque is beyond the actuators.
-  /// Until both are down to a tenth.
+  /// Once the command falls short, or is beyond sense where it has no limit: stopping takes more than a radian, or the gyroscopic
+  /// torque is beyond the actuators. Until both are down to a tenth.
   bool tumbles(const Error& now, const Estimate<S>& x, const Allocation<S>& last) noexcept {
     if (!on_body() || !(params_.stretch > S(0))) return false;
     const S stopping = x.omega_BN_B.squaredNorm() * largest_inertia(vehicle_.J_B) / (S(2) * torque_);
     const S excess = std::max(stopping, known(now, x).norm() / torque_);
-    tumbling_ = tumbling_ ? excess > S(0.1) : excess > S(1) && falls_short(last);
+    const bool lost = falls_short(last) || last.demand_B.norm() > S(100) * torque_;
+    tumbling_ = tumbling_ ? excess > S(0.1) : excess > S(1) && lost;
     return tumbling_;
   }
 
