@@ -235,6 +235,7 @@ TEST_P(Certificates, ASolveThatEndsEarlyReportsItsGap) {
     Shape shape;
   } const cases[] = {{AllocationMode::weighted_least_squares, WorstCase::bound, Shape::bound},
                      {AllocationMode::robust_socp, WorstCase::bound, Shape::bound},
+                     {AllocationMode::robust_socp, WorstCase::exact, Shape::exact},
                      {AllocationMode::robust_socp, WorstCase::paper_constant, Shape::constant}};
   const std::unique_ptr<AnySolver> solver = GetParam().solver();
   Random random(23);

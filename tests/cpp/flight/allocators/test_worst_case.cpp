@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 
 #include "flight/allocators/any_solver.hpp"
+#include "gyrostat/flight/allocators/worst_case.hpp"
 
 namespace gyrostat::test {
 namespace {
@@ -43,6 +44,35 @@ TEST_P(WorstCases, AreReportedAsAnIndependentSearchFindsThem) {
       EXPECT_LE(exact, bound + 1e-15L);
     }
   }
+}
+
+/// Residuals of every size against the error, all but none of it along the strongest axis: the root lies anywhere in (0, 1].
+TEST(ExactWorstCase, IsFoundWhereverItsRootLies) {
+  Random random(17);
+  int close_to_one = 0;
+  for (int k = 0; k < 4000; ++k) {
+    Eigen::Matrix<double, 3, 5> D;
+    for (int i = 0; i < 5; ++i) D.col(i) = random.vector<double>(1);
+    const TorqueSpread<double, 3> spread(D, 0x1Fu);
+    Vec3<double> along;
+    for (int j = 0; j < 3; ++j) along[j] = random.log_uniform(j == 2 ? 1e-16 : 1e-6, 1);
+    const Vec3<double> r = spread.axes * along;
+    const double rho = random.log_uniform(1e-6, 1);
+
+    certificate::Problem q;  // nothing is delivered, all is missing; one actuator carries the error
+    q.D.assign(3, certificate::Vector(5));
+    q.A.assign(3, certificate::Vector(5, 0));
+    for (std::size_t j = 0; j < 3; ++j) {
+      q.u.push_back(r[Eigen::Index(j)]);
+      for (std::size_t i = 0; i < 5; ++i) q.D[j][i] = D(Eigen::Index(j), Eigen::Index(i));
+    }
+    q.g = {rho, 0, 0, 0, 0};
+    const certificate::Vector one{1, 0, 0, 0, 0};
+    const double right = double(certificate::worst_exact(q, certificate::Spread(q.D), one));
+    EXPECT_NEAR(spread.exact(r, rho) / right, 1, 1e-13) << k;  // rounding of a few terms, and of the eigenvectors
+    close_to_one += along[2] < 1e-9 * spread.s_max * rho;
+  }
+  EXPECT_GT(close_to_one, 500);
 }
 
 TEST_P(WorstCases, NoSampledErrorExceedsTheExactOneAndSomeComeNear) {

@@ -401,7 +401,7 @@ class AllocationSolver {
     out.residual_norm = weighted.norm();
     out.newton = kernel_.steps;
     out.theta = theta;
-    out.worst_case = worst_case(p, weighted, out.residual_norm, std::sqrt(uncertain), theta);
+    out.worst_case = worst_case(p, weighted, out.residual_norm, std::sqrt(uncertain));
     out.multiplier = y_ * (effort_ * torque_ / geometry_);
     out.residual_excess = closest.attained ? out.residual_norm : std::max(closest.excess, S(0)) * (geometry_ * torque_);
 
@@ -434,9 +434,9 @@ class AllocationSolver {
     return out.residual_norm * out.residual_norm <= S(1e-6) * W_.cwiseProduct(p.demand).squaredNorm();
   }
 
-  S worst_case(const Problem& p, const Torque& weighted, S norm, S uncertain, S theta) const noexcept {
+  S worst_case(const Problem& p, const Torque& weighted, S norm, S uncertain) const noexcept {
     if (p.mode == AllocationMode::robust_socp && p.worst_case == WorstCase::exact)
-      return spread_.exact(weighted, uncertain, theta);
+      return spread_.exact(weighted, uncertain);
     if (p.mode == AllocationMode::robust_socp && p.worst_case == WorstCase::paper_constant) return norm + p.margin;
     return spread_.bound(norm, uncertain);
   }

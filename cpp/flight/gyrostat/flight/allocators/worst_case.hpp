@@ -44,29 +44,33 @@ struct TorqueSpread {
 
   S bound(S residual_norm, S rho) const noexcept { return residual_norm + s_max * rho; }
 
-  /// Exact worst case, from above: any theta gives an upper bound, the best one gives equality.
-  /// `theta` is where the search starts; 0 or 1 when nothing is known.
-  S exact(const Torque& residual, S rho, S theta = S(0)) const noexcept {
-    constexpr S epsilon = std::numeric_limits<S>::epsilon(), last = S(1) - epsilon;  // a pole may sit at 1
+  /// Exact worst case, from above: any theta gives an upper bound, the best one equality. In mu = 1/theta - 1 its square is
+  ///
+  ///     |r|^2 + sum of v_j r_j^2/(mu + 1 - v_j) + (1 + mu) (s_max rho)^2,
+  ///
+  /// convex, and least where |p| = s_max rho, p_j = sqrt(v_j) r_j/(mu + 1 - v_j), or at mu = 0 with <=. 1/|p| is concave and
+  /// grows, so Newton steps on it rise to the root from any mu below; each term of |p| alone gives such a mu.
+  S exact(const Torque& residual, S rho) const noexcept {
     const Torque r = axes.transpose() * residual;
-    const S spread = s_max * s_max * rho * rho;
-    S best = square(bound(residual.norm(), rho)), lo = S(0), up = S(1);
-    if (!(theta > S(0) && theta < S(1))) theta = s_max * rho / (s_max * rho + std::abs(r[M - 1]));
-    theta = std::min(theta, last);
-    for (int k = 0; k < 60 && theta > lo && theta < up; ++k) {
-      S value = spread / theta, slope = -value / theta, curvature = -S(2) * slope / theta;
+    const Torque rest = Torque::Ones() - values;  // of the largest value: zero, a pole at mu = 0
+    const S spread = s_max * rho, spread2 = spread * spread, r2 = r.squaredNorm();
+    if (!(spread > S(0))) return residual.norm();
+    S mu = S(0), best = square(bound(residual.norm(), rho));
+    for (int j = 0; j < M; ++j) mu = std::max(mu, std::sqrt(values[j]) * std::abs(r[j]) / spread - rest[j]);
+    for (int k = 0; k < 40; ++k) {
+      S value = r2 + spread2 * (S(1) + mu), p2 = S(0), slope = S(0);
       for (int j = 0; j < M; ++j) {
         if (r[j] == S(0)) continue;
-        const S q = r[j] / (S(1) - theta * values[j]);
-        value += q * r[j];
-        slope += values[j] * q * q;
-        curvature += S(2) * square(values[j] * q) / (S(1) - theta * values[j]);
+        const S q = r[j] / (mu + rest[j]);
+        value += values[j] * q * r[j];
+        p2 += values[j] * q * q;
+        slope += values[j] * q * q / (mu + rest[j]);
       }
-      best = value < best ? value : best;
-      (slope > S(0) ? up : lo) = theta;
-      const S next = std::min(theta - slope / curvature, last);
-      if (!(std::abs(next - theta) > std::sqrt(epsilon) * std::min(theta, S(1) - theta))) break;
-      theta = next > lo && next < up ? next : (lo + up) / S(2);
+      best = std::min(best, value);
+      if (!(p2 > spread2)) break;
+      const S step = (std::sqrt(p2) / spread - S(1)) * p2 / slope;
+      if (!(step * (p2 - spread2) > std::numeric_limits<S>::epsilon() * best)) break;  // it gains no more
+      mu += step;
     }
     return std::sqrt(best);
   }
