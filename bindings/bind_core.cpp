@@ -3,9 +3,13 @@
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <optional>
 
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/params.hpp"
+#include "numbers.hpp"
 
 namespace gyrostat::bindings {
 namespace {
@@ -18,14 +22,34 @@ using VN = VecN<double>;
 using Q = Quat<double>;
 
 Eigen::Vector4d coefficients(const Q& q) { return {q.w(), q.x(), q.y(), q.z()}; }
-Q quaternion(const Eigen::Vector4d& c) { return {c[0], c[1], c[2], c[3]}; }
+
+/// The numbers that something is given.
+template <class Vector>
+Vector given(const ArrayLike& from, const char* name) {
+  Vector out;
+  copy_numbers(from, Vector::SizeAtCompileTime, out, std::string(name) + " was given");
+  return out;
+}
+/// One an actuator; of how many, is known where it is used.
+VN given_per_actuator(const ArrayLike& from, const char* name) {
+  const std::string who = std::string(name) + " was given", most = "at most " + std::to_string(max_actuators);
+  const Numbers array = numbers(from, who, most + " numbers");
+  if (array.size() > max_actuators)
+    throw std::invalid_argument(who + " " + std::to_string(array.size()) + " numbers; " + most +
+                                " belong there, one an actuator");
+  return Eigen::Map<const Eigen::VectorXd>(array.data(), array.size());
+}
 
 /// A property that holds a quaternion, scalar first.
 template <class T, class C>
 void def_quat(py::class_<C>& c, const char* name, T C::* member, const char* doc) {
   c.def_property(
       name, [member](const C& s) { return coefficients(s.*member); },
-      [member](C& s, const Eigen::Vector4d& q) { s.*member = quaternion(q); }, doc);
+      [member, name](C& s, const ArrayLike& from) {
+        const auto c = given<Eigen::Vector4d>(from, name);
+        s.*member = Q(c[0], c[1], c[2], c[3]);
+      },
+      doc);
 }
 
 /// A property that holds one number an actuator (copied out, so that numpy never outlives the sample).
@@ -33,17 +57,14 @@ template <class C>
 void def_per_actuator(py::class_<C>& c, const char* name, VN C::* member, const char* doc) {
   c.def_property(
       name, [member](const C& s) { return Eigen::VectorXd(s.*member); },
-      [member, name](C& s, const Eigen::VectorXd& v) {
-        if (v.size() > max_actuators) throw std::invalid_argument(std::string(name) + " holds at most 16 numbers");
-        s.*member = v;
-      },
-      doc);
+      [member, name](C& s, const ArrayLike& from) { s.*member = given_per_actuator(from, name); }, doc);
 }
 
 template <class C>
 void def_vector(py::class_<C>& c, const char* name, V3 C::* member, const char* doc) {
   c.def_property(
-      name, [member](const C& s) { return V3(s.*member); }, [member](C& s, const V3& v) { s.*member = v; }, doc);
+      name, [member](const C& s) { return V3(s.*member); },
+      [member, name](C& s, const ArrayLike& from) { s.*member = given<V3>(from, name); }, doc);
 }
 
 template <class C>
@@ -136,14 +157,10 @@ void bind_signals(py::module_& m) {
   det.def_readwrite("event", &Detection<double>::event, "counts declarations");
 
   py::class_<Demand<double>> demand(m, "Demand", "Controller to allocator.");
-  demand.def(py::init([](const V3& tau_B, const py::object& u_pref) {
+  demand.def(py::init([](const ArrayLike& tau_B, const std::optional<ArrayLike>& u_pref) {
                Demand<double> d;
-               d.tau_B = tau_B;
-               if (!u_pref.is_none()) {
-                 const Eigen::VectorXd u = py::cast<Eigen::VectorXd>(u_pref);
-                 if (u.size() > max_actuators) throw std::invalid_argument("u_pref holds at most 16 numbers");
-                 d.u_pref = u;
-               }
+               d.tau_B = given<V3>(tau_B, "tau_B");
+               if (u_pref) d.u_pref = given_per_actuator(*u_pref, "u_pref");
                return d;
              }),
              "tau_B"_a, "u_pref"_a = py::none());

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "python_component.hpp"
 
-#include <pybind11/eigen.h>
-#include <pybind11/numpy.h>
-
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+
+#include "numbers.hpp"
 
 namespace gyrostat::bindings {
 namespace {
@@ -24,55 +23,52 @@ using Held = std::unique_ptr<py::object, Release>;
 
 Held hold(const py::object& object) { return Held(new py::object(object)); }
 
-std::string class_name(const py::object& object) {
-  return py::cast<std::string>(py::type::handle_of(object).attr("__name__"));
-}
-
-/// An array-like of n finite or non-finite numbers; the stack's guard judges their values.
-template <class Vector>
-void copy_numbers(const py::object& from, Eigen::Index n, Vector& out, const std::string& who) {
-  if (from.is_none())
-    throw std::invalid_argument(who + " returned nothing (None); " + std::to_string(n) + " numbers belong there");
-  py::array_t<double, py::array::c_style | py::array::forcecast> array;
-  try {
-    array = py::array_t < double, py::array::c_style | py::array::forcecast > (from);
-  } catch (const py::error_already_set&) {
-    throw std::invalid_argument(who + " returned a " + class_name(from) + "; " + std::to_string(n) +
-                                " numbers belong there");
-  }
-  if (array.size() != n) {
-    throw std::invalid_argument(who + " returned " + std::to_string(array.size()) + " numbers; " + std::to_string(n) +
-                                " belong there");
-  }
-  if constexpr (Vector::SizeAtCompileTime == Eigen::Dynamic) out.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i) out[i] = array.data()[i];
-}
-
-/// An attribute of the wrong length is the component's mistake, said with its name and both numbers.
-template <class Vector>
-void check_size(const Vector& v, Eigen::Index n, const std::string& who, const char* name, bool may_be_empty = false) {
-  if (v.size() == n || (may_be_empty && v.size() == 0)) return;
-  throw std::invalid_argument(who + " returned " + std::to_string(v.size()) + " numbers as " + name + "; " +
-                              std::to_string(n) + " belong there, one an actuator" + (may_be_empty ? ", or none" : ""));
-}
-
-/// Common half: the object, its `setup`, and whether it has a `start` of its own.
+/// Common half: the object with its functions, and what it says of a mistake.
 template <class Base>
 class PythonModel : public Base {
  public:
   PythonModel(const py::object& object, const Setup<double>& setup, const char* role, Use use)
-      : setup_(setup), who_(std::string(role) + " " + class_name(object) + ".step"), object_(hold(object)) {
+      : setup_(setup), who_(std::string(role) + " " + class_name(object)), object_(hold(object)) {
     if (!py::hasattr(object, "step"))
       throw std::invalid_argument(std::string(role) + ": " + class_name(object) + " has no step(...)");
     if (use == Use::fly && py::hasattr(object, "setup")) object.attr("setup")(setup);
-    step_ = hold(object.attr("step"));
-    start_ = py::hasattr(object, "start") ? hold(object.attr("start")) : nullptr;
+    step_ = function("step");
+    start_ = function("start");
   }
   void entries(std::vector<host::TelemetryEntry>&) const final {}
   double* values(double* row) const final { return row; }
 
  protected:
   int actuators() const { return setup_.vehicle.actuators(); }
+  Allocation<double> idle() const { return Allocation<double>::idle(actuators()); }
+
+  /// Null where the object has none.
+  Held function(const char* name) const { return py::hasattr(*object_, name) ? hold(object_->attr(name)) : nullptr; }
+
+  std::string returned(const char* from) const { return who_ + "." + from + " returned"; }
+
+  /// What a function gave, when it is a signal of this kind.
+  template <class Signal>
+  Signal signal(const py::object& out, const char* from, const char* wanted) const {
+    if (py::isinstance<Signal>(out)) return py::cast<Signal>(out);
+    throw std::invalid_argument(returned(from) + (out.is_none() ? " nothing (None)" : " a " + class_name(out)) + "; " +
+                                wanted + " belongs there");
+  }
+
+  void check_size(const VecN<double>& v, const char* from, const char* name, bool may_be_empty = false) const {
+    if (v.size() == actuators() || (may_be_empty && v.size() == 0)) return;
+    throw std::invalid_argument(returned(from) + " " + std::to_string(v.size()) + " numbers as " + name + "; " +
+                                std::to_string(actuators()) + " belong there, one an actuator" +
+                                (may_be_empty ? ", or none" : ""));
+  }
+
+  void check_members(Mask mask, const char* from, const char* name) const {
+    for (int i = actuators(); i < max_actuators; ++i) {
+      if (mask.test(i))
+        throw std::invalid_argument(returned(from) + " actuator " + std::to_string(i) + " as " + name +
+                                    "; the vehicle has 0 to " + std::to_string(actuators() - 1));
+    }
+  }
 
   Setup<double> setup_;
   std::string who_;
@@ -82,31 +78,26 @@ class PythonModel : public Base {
 class PythonObserver final : public PythonModel<host::ObserverBase> {
  public:
   PythonObserver(const py::object& object, const Setup<double>& setup, const char* role, Use use)
-      : PythonModel(object, setup, role, use),
-        skip_(py::hasattr(object, "skip") ? hold(object.attr("skip")) : nullptr) {}
+      : PythonModel(object, setup, role, use), skip_(function("skip")) {}
   Estimate<double> start(const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
-    return start_ ? result((*start_)(y), y) : result((*step_)(y, Allocation<double>::idle(actuators())), y);
+    return start_ ? result((*start_)(y), "start", y) : result((*step_)(y, idle()), "step", y);
   }
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
-    return result((*step_)(y, last), y);
+    return result((*step_)(y, last), "step", y);
   }
   Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
-    return result((skip_ ? *skip_ : *step_)(y, last), y);
+    return skip_ ? result((*skip_)(y, last), "skip", y) : result((*step_)(y, last), "step", y);
   }
 
  private:
-  Estimate<double> result(const py::object& out, const Measurement<double>& y) const {
-    if (!py::isinstance<Estimate<double>>(out)) {
-      throw std::invalid_argument(who_ + " returned a " + class_name(out) +
-                                  "; an Estimate belongs there (Estimate.healthy(y) makes one)");
-    }
-    Estimate<double> x = py::cast<Estimate<double>>(out);
-    check_size(x.h_w, actuators(), who_, "h_w");
-    check_size(x.effectiveness, actuators(), who_, "effectiveness");
-    check_size(x.effectiveness_bound, actuators(), who_, "effectiveness_bound");
+  Estimate<double> result(const py::object& out, const char* from, const Measurement<double>& y) const {
+    Estimate<double> x = signal<Estimate<double>>(out, from, "an Estimate (Estimate.healthy(y) makes one)");
+    check_size(x.h_w, from, "h_w");
+    check_size(x.effectiveness, from, "effectiveness");
+    check_size(x.effectiveness_bound, from, "effectiveness_bound");
     x.tick = y.tick;
     return x;
   }
@@ -119,19 +110,20 @@ class PythonDetector final : public PythonModel<host::DetectorBase> {
   using PythonModel::PythonModel;
   Detection<double> start(const Estimate<double>& x) final {
     const py::gil_scoped_acquire gil;
-    return result(start_ ? (*start_)(x) : (*step_)(x, Allocation<double>::idle(actuators())));
+    return start_ ? result((*start_)(x), "start") : result((*step_)(x, idle()), "step");
   }
   Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
-    return result((*step_)(x, last));
+    return result((*step_)(x, last), "step");
   }
 
  private:
-  Detection<double> result(const py::object& out) const {
-    if (!py::isinstance<Detection<double>>(out))
-      throw std::invalid_argument(who_ + " returned a " + class_name(out) + "; a Detection belongs there");
-    const Detection<double> det = py::cast<Detection<double>>(out);
-    check_size(det.u_probe, actuators(), who_, "u_probe", true);
+  Detection<double> result(const py::object& out, const char* from) const {
+    const auto det = signal<Detection<double>>(out, from, "a Detection (Detection.none(vehicle) makes one)");
+    check_size(det.u_probe, from, "u_probe", true);
+    check_members(det.changed, from, "changed");
+    check_members(det.failed, from, "failed");
+    check_members(det.enabled, from, "enabled");
     return det;
   }
 };
@@ -141,22 +133,22 @@ class PythonController final : public PythonModel<host::ControllerBase> {
   using PythonModel::PythonModel;
   Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) final {
     const py::gil_scoped_acquire gil;
-    return result(start_ ? (*start_)(x, det, ref) : (*step_)(x, det, ref, Allocation<double>::idle(actuators())));
+    return start_ ? result((*start_)(x, det, ref), "start") : result((*step_)(x, det, ref, idle()), "step");
   }
   Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
                       const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
-    return result((*step_)(x, det, ref, last));
+    return result((*step_)(x, det, ref, last), "step");
   }
 
  private:
-  Demand<double> result(const py::object& out) const {
+  Demand<double> result(const py::object& out, const char* from) const {
     Demand<double> demand;
     if (py::isinstance<Demand<double>>(out)) {
       demand = py::cast<Demand<double>>(out);
-      check_size(demand.u_pref, actuators(), who_, "u_pref", true);
+      check_size(demand.u_pref, from, "u_pref", true);
     } else {
-      copy_numbers(out, 3, demand.tau_B, who_);
+      copy_numbers(out, 3, demand.tau_B, returned(from));
     }
     return demand;
   }
@@ -165,9 +157,7 @@ class PythonController final : public PythonModel<host::ControllerBase> {
 class PythonAllocator final : public PythonModel<host::AllocatorBase> {
  public:
   PythonAllocator(const py::object& object, const Setup<double>& setup, const char* role, Use use)
-      : PythonModel(object, setup, role, use) {
-    reset_ = py::hasattr(object, "reset") ? hold(object.attr("reset")) : nullptr;
-  }
+      : PythonModel(object, setup, role, use), reset_(function("reset")) {}
   void reset() final {
     if (!reset_) return;
     const py::gil_scoped_acquire gil;
@@ -178,11 +168,12 @@ class PythonAllocator final : public PythonModel<host::AllocatorBase> {
     const py::object out = (*step_)(demand, x, det);
     if (py::isinstance<Allocation<double>>(out)) {
       const Allocation<double> a = py::cast<Allocation<double>>(out);
-      check_size(a.u, actuators(), who_, "u");
+      check_size(a.u, "step", "u");
+      check_members(a.saturated, "step", "saturated");
       return a;
     }
     Allocation<double> a;
-    copy_numbers(out, actuators(), a.u, who_);
+    copy_numbers(out, actuators(), a.u, returned("step"));
     a.demand_B = demand.tau_B;
     a.achieved_B = torque<double>(setup_.vehicle.D_B, x.effectiveness.cwiseProduct(a.u));
     return a;

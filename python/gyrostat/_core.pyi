@@ -62,14 +62,14 @@ class EulerState:
         (3,) rad
         """
     @angles.setter
-    def angles(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def angles(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def rates(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,) rad/s
         """
     @rates.setter
-    def rates(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def rates(self, arg1: numpy.typing.ArrayLike) -> None: ...
 
 class NominalVehicle:
     """
@@ -103,21 +103,21 @@ class NominalVehicle:
         (n,) N m
         """
     @u_lo.setter
-    def u_lo(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def u_lo(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def u_rate(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (n,) N m/s
         """
     @u_rate.setter
-    def u_rate(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def u_rate(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def u_up(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (n,) N m
         """
     @u_up.setter
-    def u_up(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def u_up(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def wheels(self) -> list:
         """
@@ -159,7 +159,7 @@ class Measurement:
         (n,) N m s
         """
     @h_w.setter
-    def h_w(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def h_w(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def momentum_valid(self) -> bool:
         """
@@ -173,14 +173,14 @@ class Measurement:
         (3,) rad/s
         """
     @omega_BN_B.setter
-    def omega_BN_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def omega_BN_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def q_NB(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
         """
         (4,) scalar first; sign continuous from the start
         """
     @q_NB.setter
-    def q_NB(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[4, 1]"]) -> None: ...
+    def q_NB(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def rate_valid(self) -> bool:
         """
@@ -203,7 +203,7 @@ class Reference:
         (3,) rad/s^2
         """
     @euler_accelerations.setter
-    def euler_accelerations(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def euler_accelerations(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def event(self) -> int:
         """
@@ -215,21 +215,21 @@ class Reference:
         (3,) rad/s
         """
     @omega_RN_R.setter
-    def omega_RN_R(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def omega_RN_R(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def omegadot_RN_R(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,) rad/s^2
         """
     @omegadot_RN_R.setter
-    def omegadot_RN_R(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def omegadot_RN_R(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def q_NR(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
         """
         (4,) scalar first
         """
     @q_NR.setter
-    def q_NR(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[4, 1]"]) -> None: ...
+    def q_NR(self, arg1: numpy.typing.ArrayLike) -> None: ...
 
 class Estimate:
     """
@@ -248,21 +248,21 @@ class Estimate:
         (3,) N m, what effectiveness does not explain
         """
     @d_B.setter
-    def d_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def d_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def effectiveness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (n,) delivered / commanded
         """
     @effectiveness.setter
-    def effectiveness(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def effectiveness(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def effectiveness_bound(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (n,) relative half-width; inf: never excited
         """
     @effectiveness_bound.setter
-    def effectiveness_bound(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def effectiveness_bound(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def event(self) -> int:
         """
@@ -274,21 +274,21 @@ class Estimate:
         (n,) N m s
         """
     @h_w.setter
-    def h_w(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def h_w(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def omega_BN_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,) rad/s
         """
     @omega_BN_B.setter
-    def omega_BN_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def omega_BN_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def q_NB(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
         """
         (4,) scalar first
         """
     @q_NB.setter
-    def q_NB(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[4, 1]"]) -> None: ...
+    def q_NB(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def tick(self) -> int: ...
 
@@ -335,29 +335,27 @@ class Detection:
         (n,) N m, dither; empty: none
         """
     @u_probe.setter
-    def u_probe(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def u_probe(self, arg1: numpy.typing.ArrayLike) -> None: ...
 
 class Demand:
     """
     Controller to allocator.
     """
-    def __init__(
-        self, tau_B: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], u_pref: typing.Any = None
-    ) -> None: ...
+    def __init__(self, tau_B: numpy.typing.ArrayLike, u_pref: numpy.typing.ArrayLike | None = None) -> None: ...
     @property
     def tau_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,) N m
         """
     @tau_B.setter
-    def tau_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def tau_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def u_pref(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (n,) N m; empty: zero
         """
     @u_pref.setter
-    def u_pref(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def u_pref(self, arg1: numpy.typing.ArrayLike) -> None: ...
 
 class Allocation:
     """
@@ -370,14 +368,14 @@ class Allocation:
         (3,) N m, D diag(effectiveness) u
         """
     @achieved_B.setter
-    def achieved_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def achieved_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def demand_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,) N m, what was asked
         """
     @demand_B.setter
-    def demand_B(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    def demand_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def gap(self) -> float: ...
     @gap.setter
@@ -399,7 +397,7 @@ class Allocation:
         (n,) N m, issued command
         """
     @u.setter
-    def u(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None: ...
+    def u(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def worst_case(self) -> float:
         """

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import re
 import threading
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 from typing import Any
@@ -187,13 +189,152 @@ def test_python_observer_and_allocator_fly_too(ideal: gs.Scenario) -> None:
     np.testing.assert_allclose(ours["omega_BN_B"], ideal.run()["omega_BN_B"], rtol=0, atol=1e-12)
 
 
-def test_a_component_that_returns_the_wrong_size_is_named(ideal: gs.Scenario) -> None:
-    class Wrong:
-        def step(self, *_: object) -> np.ndarray:
-            return np.zeros(2)
+class Watching:
+    """An observer that notes what it is called for, and which parts were measured."""
 
-    with pytest.raises(ValueError, match=r"controller Wrong\.step returned 2 numbers; 3 belong there"):
-        ideal.replace(controller=Wrong()).run()
+    def __init__(self) -> None:
+        self.calls: list[tuple[int, str, tuple[bool, bool, bool]]] = []
+        self.rates: list[np.ndarray] = []
+
+    def note(self, y: gs.Measurement, call: str) -> gs.Estimate:
+        self.calls.append((y.tick, call, (y.attitude_valid, y.rate_valid, y.momentum_valid)))
+        self.rates.append(y.omega_BN_B)
+        return gs.Estimate.healthy(y)
+
+    def start(self, y: gs.Measurement) -> gs.Estimate:
+        return self.note(y, "start")
+
+    def step(self, y: gs.Measurement, last: gs.Allocation) -> gs.Estimate:
+        return self.note(y, "step")
+
+
+class Skipping(Watching):
+    def skip(self, y: gs.Measurement, last: gs.Allocation) -> gs.Estimate:
+        return self.note(y, "skip")
+
+
+@pytest.mark.parametrize("observer", [Watching(), Skipping()], ids=["step", "skip"])
+def test_an_observer_sees_what_was_not_measured_and_may_skip_it(ideal: gs.Scenario, observer: Watching) -> None:
+    sensors = [
+        gs.sensors.RateDropout(t_on=0.2, t_off=0.3),
+        gs.sensors.AttitudeDropout(t_on=0.4, t_off=0.5),
+        gs.sensors.MomentumDropout(t_on=0.6, t_off=0.7),
+    ]
+    result = ideal.replace(observer=observer, sensors=sensors, duration=1.0).run(channels=["truth.omega_BN_B"])
+    flown = result.components["observer"]
+    ticks = range(101)
+    assert [c[0] for c in flown.calls] == list(ticks)
+    windows = (range(40, 50), range(20, 30), range(60, 70))
+    assert [c[2] for c in flown.calls] == [tuple(k not in window for window in windows) for k in ticks]
+    # an interval teaches nothing when the rate or the wheels were not measured at one of its ends
+    blind = {*range(20, 31), *range(60, 71)} if isinstance(observer, Skipping) else set()
+    assert [c[1] for c in flown.calls] == ["start", *("skip" if k in blind else "step" for k in ticks[1:])]
+    # and what was not measured is carried on: within what the nominal model leaves, not held
+    error = np.abs(np.array(flown.rates) - result["truth.omega_BN_B"]).max(axis=1)
+    held = np.abs(result["truth.omega_BN_B"][29] - result["truth.omega_BN_B"][19]).max()
+    assert error[29] < 0.1 * held
+
+
+def of_observer(change: Callable[[gs.Estimate], object]) -> dict[str, Any]:
+    class Mine:
+        def step(self, y: gs.Measurement, last: gs.Allocation) -> object:
+            return change(gs.Estimate.healthy(y))
+
+    return {"observer": Mine()}
+
+
+def of_detector(change: Callable[[gs.Detection], object]) -> dict[str, Any]:
+    class Mine:
+        def setup(self, setup: gs.Setup) -> None:
+            self.vehicle = setup.vehicle
+
+        def step(self, x: gs.Estimate, last: gs.Allocation) -> object:
+            return change(gs.Detection.none(self.vehicle))
+
+    return {"detector": Mine()}
+
+
+def of(role: str, returned: Callable[[], object]) -> dict[str, Any]:
+    class Mine:
+        def step(self, *_: object) -> object:
+            return returned()
+
+    return {role: Mine()}
+
+
+def with_values(signal: Any, **values: object) -> Any:
+    for name, value in values.items():
+        setattr(signal, name, value)
+    return signal
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        (
+            of_observer(lambda x: with_values(x, h_w=[])),
+            "observer Mine.step returned 0 numbers as h_w; 4 belong",
+        ),
+        (
+            of_observer(lambda x: with_values(x, effectiveness=np.ones(5))),
+            "observer Mine.step returned 5 numbers as effectiveness; 4 belong there, one an actuator",
+        ),
+        (
+            of_observer(lambda x: with_values(x, effectiveness_bound=1.0)),
+            "observer Mine.step returned 1 numbers as effectiveness_bound; 4 belong there, one an actuator",
+        ),
+        (of_observer(lambda x: with_values(x, omega_BN_B=[1, 2])), "omega_BN_B was given 2 numbers; 3 belong there"),
+        (of_observer(lambda x: with_values(x, q_NB=np.eye(3))), "q_NB was given 9 numbers; 4 belong there"),
+        (of_observer(lambda x: with_values(x, d_B="none")), "d_B was given a str; 3 numbers belong there"),
+        (of_observer(lambda x: with_values(x, d_B=None)), "d_B was given nothing (None); 3 numbers belong there"),
+        (of_observer(lambda x: with_values(x, h_w=np.ones(17))), "h_w was given 17 numbers; at most 16 belong there"),
+        (of("observer", lambda: 3), "observer Mine.step returned a int; an Estimate (Estimate.healthy(y) makes one)"),
+        (of_detector(lambda d: with_values(d, u_probe=[1, 2])), "detector Mine.step returned 2 numbers as u_probe; 4 "),
+        (
+            of_detector(lambda d: with_values(d, failed=[7])),
+            "detector Mine.step returned actuator 7 as failed; the vehicle has 0 to 3",
+        ),
+        (of_detector(lambda d: with_values(d, enabled=[16])), "actuator 16 is not in 0 to 15"),
+        (of("detector", lambda: None), "detector Mine.step returned nothing (None); a Detection"),
+        (of("controller", lambda: np.zeros(2)), "controller Mine.step returned 2 numbers; 3 belong there"),
+        (of("controller", lambda: "stop"), "controller Mine.step returned a str; 3 numbers belong there"),
+        (of("controller", lambda: gs.Demand([1, 2])), "tau_B was given 2 numbers; 3 belong there"),
+        (
+            of("controller", lambda: gs.Demand([1, 2, 3], u_pref=[1])),
+            "controller Mine.step returned 1 numbers as u_pref; 4 belong there, one an actuator, or none",
+        ),
+        (of("allocator", lambda: np.zeros(3)), "allocator Mine.step returned 3 numbers; 4 belong there"),
+        (
+            of("allocator", gs.Allocation),
+            "allocator Mine.step returned 0 numbers as u; 4 belong there, one an actuator",
+        ),
+        (
+            of("allocator", lambda: with_values(gs.Allocation(), u=np.zeros(4), saturated=[4])),
+            "allocator Mine.step returned actuator 4 as saturated; the vehicle has 0 to 3",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_one_line_with_what_belongs_there(
+    ideal: gs.Scenario, parts: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(said)}") as caught:
+        ideal.replace(**parts, duration=0.1).run()
+    assert "\n" not in str(caught.value)
+
+
+def test_a_function_of_a_component_is_named_when_it_returns_the_wrong_size(ideal: gs.Scenario) -> None:
+    class Starting(Skipping):
+        def start(self, y: gs.Measurement) -> Any:
+            return None
+
+    class Lost(Skipping):
+        def skip(self, y: gs.Measurement, last: gs.Allocation) -> Any:
+            return None
+
+    dropout = [gs.sensors.RateDropout(t_on=0.05, t_off=0.06)]
+    for observer, said in ((Starting(), "start"), (Lost(), "skip")):
+        with pytest.raises(ValueError, match=rf"^observer \w+\.{said} returned nothing \(None\); an Estimate"):
+            ideal.replace(observer=observer, sensors=dropout, duration=0.1).run()
 
 
 def test_non_finite_output_is_caught_by_the_guard(ideal: gs.Scenario) -> None:
