@@ -270,7 +270,7 @@ void switches_along_what_it_is_told(const typename Law::Params& params) {
 
 TEST(PredefinedTimeDouble, SwitchesAlongTheSurfaceOrMatchedToThePlant) {
   switches_along_what_it_is_told<PredefinedTime<double>>(table1());
-  switches_along_what_it_is_told<TerminalSlidingMode<double>>({});
+  switches_along_what_it_is_told<TerminalSlidingMode<double>>(TerminalSlidingMode<double>::Params(satellite()));
 }
 
 /// s some time later on the nominal plant, the torque held.
