@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 import importlib.util
 import json
 import re
@@ -311,3 +312,11 @@ def test_a_quotation_that_is_not_there_is_noticed() -> None:
     page = ROOT / "docs" / "extending.md"
     text = "<!-- code: examples/01_first_run.py -->\n```python\nimport nothing\n```"
     assert list(docs.misquoted(text, page))
+
+
+def test_recovery_takes_the_slew_back_and_hardly_more() -> None:
+    rows = csv.DictReader(
+        line for line in (ROOT / "tests/golden/recovery.csv").read_text().splitlines() if not line.startswith("#")
+    )
+    for row in rows:
+        assert int(row["slowest"]) <= 1.1 * int(row["slew"]) + 10, row["component"]
