@@ -112,12 +112,13 @@ inline void spoil(Spoil how, Random& random, Measurement<double>& y, Reference<d
 /// What a stack did under abuse.
 struct Outcome {
   long samples = 0, episodes = 0;
-  long not_finite = 0;    ///< samples with a non-finite command, or one that threw the vehicle out of all that can be flown
-  long outside = 0;       ///< samples with a command outside its limits
-  long held = 0;          ///< samples with Flag::input_held
-  long reset = 0;         ///< samples with Flag::component_reset
-  long slowest = 0;       ///< samples from the last spoilt input until normal for good, the worst episode
-  long slew = 0;          ///< samples that a stack takes which is started where that episode left the vehicle
+  long not_finite =
+      0;             ///< samples with a non-finite command, or one that threw the vehicle out of all that can be flown
+  long outside = 0;  ///< samples with a command outside its limits
+  long held = 0;     ///< samples with Flag::input_held
+  long reset = 0;    ///< samples with Flag::component_reset
+  long slowest = 0;  ///< samples from the last spoilt input until normal for good, the worst episode
+  long slew = 0;     ///< samples that a stack takes which is started where that episode left the vehicle
   long unrecovered = 0;   ///< episodes that did not get there in `patience` samples
   Spoil slowest_after{};  ///< what the slowest episode had been spoilt with
 };
