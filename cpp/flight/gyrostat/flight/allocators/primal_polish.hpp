@@ -28,7 +28,8 @@ class RowBasis {
   using Torque = Eigen::Matrix<S, M, 1>;
 
   /// @param rows the rows of B in columns; the first n entries of each count
-  RowBasis(const Eigen::Matrix<S, N, M>& rows, int n, unsigned held) noexcept : rows_(rows), n_(n) {
+  RowBasis(const Eigen::Matrix<S, N, M>& rows, int n, unsigned held) noexcept : n_(n) {
+    rows_.topRows(n) = rows.topRows(n);
     for (int r = 0; r < M; ++r) largest_ = std::max(largest_, dot(rows_, r, rows_, r));
     largest_ = std::sqrt(largest_);
     collect(held);
