@@ -4,7 +4,8 @@
 Each role needs ``step``. Optional are ``setup(setup)``, called exactly once, before the run, with vehicle and period;
 ``start``, called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; ``skip(y, last)``
 (observers), called instead of ``step`` for an interval that teaches nothing: rate or wheel momentum was not measured at
-one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; and ``reset`` (allocators). Every run flies a copy of the object (`copy.deepcopy`); `Result.components` holds the one that flew.
+one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; and ``reset`` (allocators). Every run
+flies a copy of the object (`copy.deepcopy`); `Result.components` holds the one that flew.
 The signals carry the names of the C++ contract: ``x.q_NB``, ``x.omega_BN_B``, ``ref.q_NR``, ``last.u``. An exception
 ends the run and reaches the caller unchanged. A Python step costs microseconds where a compiled one costs nanoseconds.
 """
