@@ -129,6 +129,31 @@ TEST(Sensors, FillEulerAnglesAndRatesOfWhatWasMeasured) {
   EXPECT_LE((euler_rate_matrix(y.euler.angles) * y.euler.rates - y.omega_BN_B).norm(), 1e-16);
 }
 
+TEST(Sensors, AreSilentInTheirWindowsAndGoOnShowingWhatTheyShowedLast) {
+  const std::vector<Sensor> windows{RateDropout{0.02, 0.04}, RateDropout{0.07, 0.08}, AttitudeDropout{0.03, 0.05},
+                                    MomentumDropout{0.05, 0.07}, MomentumDropout{}};
+  for (const bool forever : {false, true}) {
+    Sensors sensors({windows.begin(), windows.end() - (forever ? 0 : 1)}, 7, 0, /*euler=*/true, 0.01);
+    Measurement<double> before;
+    for (Tick k = 0; k < 10; ++k) {
+      const double now = 0.1 * static_cast<double>(k);
+      const VecN<double> h_w = VecN<double>::Constant(4, now);
+      const Quat<double> q = quat_from_euler<double>({0.1 + now, 0, 0});
+      const Measurement<double> y = sensors.measure(k, q, {now, 0, 0}, h_w);
+      EXPECT_EQ(y.rate_valid, !(k == 2 || k == 3 || k == 7)) << k;
+      EXPECT_EQ(y.attitude_valid, !(k == 3 || k == 4)) << k;
+      EXPECT_EQ(y.momentum_valid, !(forever || k == 5 || k == 6)) << k;
+      const bool first = k == 0;  // nothing was shown before
+      EXPECT_EQ(y.omega_BN_B[0], y.rate_valid || first ? now : before.omega_BN_B[0]) << k;
+      EXPECT_EQ(y.euler.rates, y.rate_valid || first ? y.euler.rates : before.euler.rates) << k;
+      EXPECT_EQ(y.q_NB.coeffs(), (y.attitude_valid || first ? q : before.q_NB).coeffs()) << k;
+      EXPECT_EQ(y.h_w, y.momentum_valid || first ? h_w : before.h_w) << k;
+      before = y;
+    }
+  }
+  EXPECT_THROW(Sensors({RateDropout{2, 1}}, 1, 0, false, 0.01), std::invalid_argument);
+}
+
 TEST(Sensors, RefuseTwoOfAKindAndNegativeNumbers) {
   EXPECT_THROW(Sensors({Gyro{}, Gyro{}}, 0, 0), std::invalid_argument);
   EXPECT_THROW(Sensors({Gyro{.noise = -1}}, 0, 0), std::invalid_argument);
