@@ -31,6 +31,7 @@ from gyrostat.scenario import Scenario, shipped
 from gyrostat.text import one_line, unescaped
 
 if TYPE_CHECKING:
+    from gyrostat.papers import Paper, Reproduction
     from gyrostat.results import Result
 
 app = typer.Typer(
@@ -323,17 +324,24 @@ def reproduce(
     from gyrostat import papers
 
     chosen = [papers.load(name) for name in (papers.available() if paper == "all" else [paper])]
-    found = []
+    found: list[Reproduction] = []
     page = None
+
+    def fly(one: Paper) -> Reproduction:
+        """Results are kept where figures are drawn, and then for one study at a time."""
+        with printing.progress(f"reproducing {one.id}") as progress:
+            flown = papers.reproduce(one if out is not None else replace(one, figures=()), progress=progress)
+        found.append(flown.without_results())
+        return flown
+
     with nullcontext() if out is None else made_folder(out):
-        for one in chosen:
-            with printing.progress(f"reproducing {one.id}") as progress:
-                needed = one if out is not None else replace(one, figures=())  # results that nobody draws are let go
-                found.append(papers.reproduce(needed, progress=progress))
-        if out is not None:
+        if out is None:
+            for one in chosen:
+                fly(one)
+        else:
             from gyrostat.report import write_report
 
-            page = write_report(out, found)
+            page = write_report(out, map(fly, chosen))
     failed = sum(r.failed for r in found)
     if as_json:
         parts = [r.to_dict() for r in found]

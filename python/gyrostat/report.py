@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from itertools import groupby
 from pathlib import Path
@@ -40,7 +40,7 @@ figcaption { font-size: .9rem; color: var(--dim) }
 _verdict_colors = {"reproduces": "good", "does not reproduce": "warn", "not measured": "bad"}
 
 
-def write_report(folder: Path, reproductions: Sequence[Reproduction]) -> Path:
+def write_report(folder: Path, reproductions: Iterable[Reproduction]) -> Path:
     """Write ``index.html`` with everything in it, and beside it each study's claims, figures and their data.
 
     Parameters
@@ -48,16 +48,20 @@ def write_report(folder: Path, reproductions: Sequence[Reproduction]) -> Path:
     folder
         Where to; made if it is not there.
     reproductions
-        The studies, in the order of the page.
+        The studies, in the order of the page. Taken one by one: an iterator holds the results of one study at a time.
 
     Returns
     -------
     Path
         The page to open.
     """
-    sections = [_section(writable_folder(folder / r.paper.id), r) for r in reproductions]
+    told, sections = [], []
+    for reproduction in reproductions:
+        sections.append(_section(writable_folder(folder / reproduction.paper.id), reproduction))
+        told.append(reproduction.without_results())
+        del reproduction  # before the next one flies
     page = folder / "index.html"
-    write_text(page, _page(reproductions, sections))
+    write_text(page, _page(told, sections))
     return page
 
 

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from gyrostat.papers.campaigns import Ensemble
@@ -34,6 +34,10 @@ class Reproduction:
     def failed(self) -> int:
         """Number of claims outside their acceptance."""
         return sum(not e.ok for e in self.evaluations)
+
+    def without_results(self) -> Reproduction:
+        """What was measured, without the series that figures are drawn from."""
+        return replace(self, results={}, ensembles={})
 
     def to_dict(self) -> dict[str, Any]:
         """As ``gyrostat reproduce --json`` prints it."""
