@@ -356,7 +356,7 @@ TEST(PreassignedTime, AJumpOfTheStateHasAllOfTheTimeAgainUnlessTIsKept) {
   for (const double stretch : {10.0, 0.0}) {
     auto p = gains(5);
     p.stretch = stretch;
-    Law law(ftc_4rw<double>(), p);
+    Law law(unchecked, ftc_4rw<double>(), p);
     Estimate<double> x = state(4);
     const Allocation<double> last = Allocation<double>::idle(4);
     (void)law.start(x, {}, {});
