@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the guard had to do in a run is told: events, share of samples, the line of `run`, and whether it flew at all."""
+"""What the guard did in a run is told: events, share of samples, the line of `run`, and whether it flew at all."""
 
 from __future__ import annotations
 

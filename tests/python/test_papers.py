@@ -3,8 +3,13 @@
 
 from __future__ import annotations
 
+import csv
+import importlib.util
 import json
+import sys
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -267,3 +272,26 @@ def test_the_claims_of_every_shipped_paper_can_be_read() -> None:
         paper = papers.load(name)
         assert paper.claims
         assert {c.case for c in paper.claims} <= set(paper.cases) | set(paper.campaigns)
+
+
+def _sensitivity() -> ModuleType:
+    path = Path(__file__).parents[2] / "scripts" / "claims_sensitivity"
+    spec = importlib.util.spec_from_loader("claims_sensitivity", SourceFileLoader("claims_sensitivity", str(path)))
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["claims_sensitivity"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_number_of_a_law_moves_a_claim_or_is_said_to_move_none() -> None:
+    """The table that scripts/claims_sensitivity writes is complete, and the reasons in it are those of the script."""
+    script = _sensitivity()
+    lines = script.TABLE.read_text(encoding="utf-8").splitlines()
+    rows = list(csv.reader(line for line in lines if not line.startswith("#")))[1:]
+    known = {tuple(row[:3]): row for row in rows}
+    expected = {p.key for study in papers.available() for p in script.parameters(study)}
+    assert set(known) == expected
+    for key, row in known.items():
+        assert int(row[4]) > 0 or script.DEAD[key] == row[6], key
