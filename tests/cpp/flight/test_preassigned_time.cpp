@@ -413,6 +413,13 @@ TEST(PreassignedTime, ATumbleBeginsWhereStoppingTakesARadianAndEndsAtATenthOfIt)
   turn(0.5);
   (void)law.start(x, {}, {});
   EXPECT_FALSE(damped(enough)) << "a start has no past";
+  // Without limits nothing falls short: a demand of more than a hundred times the torque is lost all the same.
+  Allocation<double> met = enough;
+  turn(1.01);
+  met.demand_B = met.achieved_B = Vec3<double>(99 * 0.2, 0, 0);
+  EXPECT_FALSE(damped(met));
+  met.demand_B = met.achieved_B = Vec3<double>(101 * 0.2, 0, 0);
+  EXPECT_TRUE(damped(met));
 }
 
 TEST(PreassignedTime, AGyroscopicTorqueBeyondTheActuatorsIsATumbleToo) {
