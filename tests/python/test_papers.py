@@ -35,7 +35,11 @@ set = { "vehicle.u_max" = 0.1, "record.channels" = ["allocation.u"] }
 [cases.watched]
 like = "healthy"
 seeds = [5]
+keep = ["error", "shadow0"]
 set = { shadows = [{ observer = "finite_time_disturbance" }] }
+[cases.unwatched]
+like = "watched"
+set = { shadows = [] }
 
 [[claims]]
 quantity = "largest command, N m"
@@ -187,7 +191,7 @@ def test_a_row_takes_from_its_table_what_it_does_not_say(study: Path) -> None:
 
 def test_seeds_make_cases(study: Path) -> None:
     cases = papers.load(str(study)).cases
-    assert list(cases) == ["degraded", "healthy", "heavy", "heavy_2", "heavy_3", "watched", "watched_5"]
+    assert list(cases) == ["degraded", "healthy", "heavy", "heavy_2", "heavy_3", "watched", "watched_5", "unwatched"]
     assert cases["heavy_2"].title == f"{cases['heavy'].title}, seed 2"
     assert cases["heavy_2"].scenario == cases["heavy"].scenario.replace(seed=2)
 
@@ -200,7 +204,8 @@ def test_a_case_keeps_what_it_offers_of_the_record(study: Path) -> None:
     alone = ("truth.omega_BN_B", "error.angle", "allocation.u")
     assert kept["degraded"] == kept["healthy"] == alone
     assert kept["heavy"] == kept["heavy_2"] == ("allocation.u",), "its own choice"
-    assert kept["watched"] == kept["watched_5"] == (*alone, "shadow0.estimate.*")
+    assert kept["watched"] == kept["watched_5"] == ("error.angle", "shadow0.estimate.*")
+    assert kept["unwatched"] == ("error.angle",)
 
 
 def test_a_claim_may_compare_two_cases_that_no_figure_shows(study: Path) -> None:
@@ -241,6 +246,7 @@ def test_a_run_that_ended_before_the_window_counts_as_failed(study: Path) -> Non
         ("rows = [", "rows = []\nother = [", ["claims[0]: rows = []"]),
         ('"error.angle", "alloc', '"error.angel", "alloc', ["record", "error.angel", "did you mean 'error.angle'"]),
         ("seeds = [5]", 'seeds = ["five"]', ["cases.watched: seeds[0]"]),
+        ('keep = ["error"', 'keep = ["eror"', ["case 'watched'", "eror", "did you mean 'error'"]),
         ("[cases.watched]", "[cases.heavy_3]", ["case 'heavy_3'", "already"]),
         ('scenario = "degraded"', 'scenario = "absent"', ["case 'healthy'", "absent.toml"]),
         ('set = { "faults" = [] }', 'set = { "faults.0.remainin" = 1 }', ["case 'healthy'", "remainin"]),

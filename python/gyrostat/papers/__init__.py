@@ -23,6 +23,7 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
         [cases.table1_10ms_cvode]
         like = "table1_10ms"                 # an earlier case with its changes, and more of them
         set = { integrator = "cvode" }
+        keep = ["truth", "allocation"]       # of the record these groups only; said where it saves much memory
 
         [[claims]]
         measure = { metric = "settling_time", signal = "truth.mrp" }
@@ -33,7 +34,7 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
         ]
 
     A case keeps what it offers of ``record``: one without an observer has no ``observer.z1``. A scenario that names
-    channels of its own keeps those.
+    channels of its own keeps those. ``keep`` holds for the cases that are like this one, too.
 
     A ``[[claims]]`` table is a measurement, and each of its rows a claim. A row takes what it does not say itself from
     the table; a table without rows is a claim by itself. The keys of a claim:

@@ -35,6 +35,7 @@ class CaseEntry(Model):
     like: str | None = None
     set: Annotated[dict[str, Any], Field(default_factory=dict)]
     seeds: Annotated[list[int], Field(default_factory=list)]
+    keep: list[str] | None = None
 
     def scenarios(self, folder: Path, key: str, earlier: Mapping[str, Scenario]) -> Iterator[tuple[str, str, Scenario]]:
         """Identifier, title and scenario of the case, and of the same with each of its seeds."""
@@ -142,13 +143,16 @@ def load(name: str) -> Paper:
         record = _Record(entries.record)
         scenarios: dict[str, Scenario] = {}
         cases: dict[str, Case] = {}
+        keeps: dict[str, list[str] | None] = {}
         for key, entry in entries.cases.items():
             with input_errors(f"case '{key}'"):
+                keep = keeps.get(entry.like or "") if entry.keep is None else entry.keep
                 for name_, title, scenario in entry.scenarios(folder, key, scenarios):
                     if name_ in cases:
                         raise InputError(f"there is a case '{name_}' already")
                     scenarios[name_] = scenario
-                    cases[name_] = Case(name_, title, record.kept_by(scenario))
+                    keeps[name_] = keep
+                    cases[name_] = Case(name_, title, record.kept_by(scenario, keep))
         record.check()
         campaigns = {key: _campaign(key, entry, scenarios, modules) for key, entry in entries.campaigns.items()}
         metrics, signals = (modules.attribute("signals", attribute, {}) for attribute in ("METRICS", "SIGNALS"))
@@ -180,17 +184,22 @@ class _Record:
 
     def __init__(self, channels: Sequence[str] | None) -> None:
         self._channels = channels
+        self._groups = {_group(name) for name in channels or ()}
         self._never = set(channels or ())
         self._offered: set[str] = set()
 
-    def kept_by(self, scenario: Scenario) -> Scenario:
-        """The scenario with what it keeps; one that chooses its channels itself stays as it is."""
+    def kept_by(self, scenario: Scenario, groups: Sequence[str] | None) -> Scenario:
+        """The scenario with what it keeps, of these groups only; one that chooses its channels itself is as it was."""
+        for unknown in set(groups or ()) - self._groups:
+            raise InputError(f"keep: no channel of the record is of '{unknown}'{suggestion(unknown, self._groups)}")
         if self._channels is None or (scenario.record is not None and scenario.record.channels is not None):
             return scenario
         offered = [channel["name"] for channel in scenario.channel_names()]
         kept = [name for name in self._channels if fnmatch.filter(offered, name)]
         self._never -= set(kept)
         self._offered.update(offered)
+        if groups is not None:
+            kept = [name for name in kept if _group(name) in groups]
         return scenario.replace(**{"record.channels": kept})
 
     def check(self) -> None:
@@ -198,6 +207,10 @@ class _Record:
         if self._never and self._offered:
             name = min(self._never)
             raise InputError(f"record: no case has a channel '{name}'{suggestion(name, self._offered)}")
+
+
+def _group(channel: str) -> str:
+    return channel.partition(".")[0]
 
 
 def _campaign(key: str, entry: CampaignEntry, scenarios: Mapping[str, Scenario], modules: _Extensions) -> Campaign:
