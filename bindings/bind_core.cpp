@@ -111,7 +111,14 @@ void bind_signals(py::module_& m) {
       .def_readonly("vehicle", &Setup<double>::vehicle)
       .def_readonly("dt", &Setup<double>::dt);
 
-  py::class_<Measurement<double>> y(m, "Measurement", "Sensors to observer.");
+  using Rows3 = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+  py::class_<Axes<double>> axes(m, "Axes", "Where actuators point at one sample; empty: as the vehicle says.");
+  axes.def_property_readonly(
+      "D_B", [](const Axes<double>& a) { return Rows3(a.D_B); }, "(3, n) axes in columns; (3, 0)");
+  axes.def_property_readonly("h_B", [](const Axes<double>& a) { return V3(a.h_B); }, "(3,) N m s, stored momentum");
+  axes.def_readonly("revision", &Axes<double>::revision, "another one wherever D_B is another one");
+
+  py::class_<Measurement<double>> y(m, "Measurement", "Sensors to navigator and observer.");
   y.def_readonly("tick", &Measurement<double>::tick);
   def_quat(y, "q_NB", &Measurement<double>::q_NB, "(4,) scalar first; sign continuous from the start");
   def_vector(y, "omega_BN_B", &Measurement<double>::omega_BN_B, "(3,) rad/s");
@@ -123,6 +130,9 @@ void bind_signals(py::module_& m) {
                   "False: omega_BN_B was not measured at this sample but carried on by the model");
   y.def_readwrite("momentum_valid", &Measurement<double>::momentum_valid,
                   "False: h_w was not measured at this sample but carried on by the model");
+  def_vector(y, "rate_step", &Measurement<double>::rate_step,
+             "(3,) rad/s, share of the change of omega_BN_B that is a navigator's knowledge, not motion");
+  y.def_readonly("axes", &Measurement<double>::axes);
   y.def_readonly("event", &Measurement<double>::event, "counts jumps that no motion explains");
 
   py::class_<Reference<double>> ref(m, "Reference", "What the vehicle should do.");
@@ -145,6 +155,7 @@ void bind_signals(py::module_& m) {
   def_per_actuator(x, "effectiveness_bound", &Estimate<double>::effectiveness_bound,
                    "(n,) relative half-width; inf: never excited");
   def_vector(x, "d_B", &Estimate<double>::d_B, "(3,) N m, what effectiveness does not explain");
+  x.def_readonly("axes", &Estimate<double>::axes);
   x.def_readonly("event", &Estimate<double>::event, "of the measurement: counts jumps that no motion explains");
 
   py::class_<Detection<double>> det(m, "Detection", "Detector to controller and allocator.");

@@ -5,6 +5,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include <pybind11/eigen.h>
+
 #include "numbers.hpp"
 
 namespace gyrostat::bindings {
@@ -75,10 +77,31 @@ class PythonModel : public Base {
   Held object_, step_, start_;
 };
 
+class PythonNavigator final : public PythonModel<host::NavigatorBase> {
+ public:
+  using PythonModel::PythonModel;
+  Measurement<double> start(const Measurement<double>& y) final {
+    const py::gil_scoped_acquire gil;
+    return start_ ? result((*start_)(y), "start", y) : result((*step_)(y), "step", y);
+  }
+  Measurement<double> step(const Measurement<double>& y) final {
+    const py::gil_scoped_acquire gil;
+    return result((*step_)(y), "step", y);
+  }
+
+ private:
+  Measurement<double> result(const py::object& out, const char* from, const Measurement<double>& sensed) const {
+    Measurement<double> y = signal<Measurement<double>>(out, from, "a Measurement (the one it was given, changed)");
+    check_size(y.h_w, from, "h_w");
+    y.tick = sensed.tick;
+    return y;
+  }
+};
+
 class PythonObserver final : public PythonModel<host::ObserverBase> {
  public:
   PythonObserver(const py::object& object, const Setup<double>& setup, const char* role, Use use)
-      : PythonModel(object, setup, role, use), skip_(function("skip")) {}
+      : PythonModel(object, setup, role, use), skip_(function("skip")), shift_rate_(function("shift_rate")) {}
   Estimate<double> start(const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result((*start_)(y), "start", y) : result((*step_)(y, idle()), "step", y);
@@ -91,6 +114,11 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
     const py::gil_scoped_acquire gil;
     return skip_ ? result((*skip_)(y, last), "skip", y) : result((*step_)(y, last), "step", y);
   }
+  void shift_rate(const Vec3<double>& step) final {
+    if (!shift_rate_) return;
+    const py::gil_scoped_acquire gil;
+    (*shift_rate_)(Eigen::Vector3d(step));
+  }
 
  private:
   Estimate<double> result(const py::object& out, const char* from, const Measurement<double>& y) const {
@@ -102,7 +130,7 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
     return x;
   }
 
-  Held skip_;
+  Held skip_, shift_rate_;
 };
 
 class PythonDetector final : public PythonModel<host::DetectorBase> {
@@ -175,7 +203,7 @@ class PythonAllocator final : public PythonModel<host::AllocatorBase> {
     Allocation<double> a;
     copy_numbers(out, actuators(), a.u, returned("step"));
     a.demand_B = demand.tau_B;
-    a.achieved_B = torque<double>(setup_.vehicle.D_B, x.effectiveness.cwiseProduct(a.u));
+    a.achieved_B = torque<double>(x.axes.of(setup_.vehicle.D_B), x.effectiveness.cwiseProduct(a.u));
     return a;
   }
 
@@ -198,12 +226,14 @@ std::function<std::unique_ptr<Base>(const Setup<double>&)> factory(const py::dic
 host::ExternalComponents python_components(const py::dict& objects, Use use) {
   for (const auto& [key, value] : objects) {
     const std::string role = py::cast<std::string>(key);
-    if (role != "observer" && role != "detector" && role != "controller" && role != "allocator") {
+    if (role != "navigator" && role != "observer" && role != "detector" && role != "controller" &&
+        role != "allocator") {
       throw std::invalid_argument("components: no role '" + role +
-                                  "'; there are: observer, detector, controller, allocator");
+                                  "'; there are: navigator, observer, detector, controller, allocator");
     }
   }
-  return {factory<PythonObserver, host::ObserverBase>(objects, "observer", use),
+  return {factory<PythonNavigator, host::NavigatorBase>(objects, "navigator", use),
+          factory<PythonObserver, host::ObserverBase>(objects, "observer", use),
           factory<PythonDetector, host::DetectorBase>(objects, "detector", use),
           factory<PythonController, host::ControllerBase>(objects, "controller", use),
           factory<PythonAllocator, host::AllocatorBase>(objects, "allocator", use)};

@@ -31,7 +31,16 @@ if TYPE_CHECKING:
         waveforms,
     )
     from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference, Setup, __version__
-    from gyrostat.components import Component, allocator, controller, detector, integrator, observer, reference
+    from gyrostat.components import (
+        Component,
+        allocator,
+        controller,
+        detector,
+        integrator,
+        navigator,
+        observer,
+        reference,
+    )
     from gyrostat.errors import InputError
     from gyrostat.experiment import Experiment, Flights
     from gyrostat.results import Event, Result
@@ -73,6 +82,7 @@ __all__ = [
     "integrator",
     "integrators",
     "metrics",
+    "navigator",
     "observer",
     "page",
     "papers",
@@ -87,7 +97,16 @@ __all__ = [
 
 _homes = {
     "_core": ["Allocation", "Demand", "Detection", "Estimate", "Measurement", "Reference", "Setup", "__version__"],
-    "components": ["Component", "allocator", "controller", "detector", "integrator", "observer", "reference"],
+    "components": [
+        "Component",
+        "allocator",
+        "controller",
+        "detector",
+        "integrator",
+        "navigator",
+        "observer",
+        "reference",
+    ],
     "errors": ["InputError"],
     "experiment": ["Experiment", "Flights"],
     "results": ["Event", "Result"],

@@ -10,6 +10,7 @@ import typing
 
 __all__: list[str] = [
     "Allocation",
+    "Axes",
     "Compiled",
     "Demand",
     "Detection",
@@ -135,9 +136,29 @@ class Setup:
     @property
     def vehicle(self) -> NominalVehicle: ...
 
+class Axes:
+    """
+    Where actuators point at one sample; empty: as the vehicle says.
+    """
+    @property
+    def D_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, n]"]:
+        """
+        (3, n) axes in columns; (3, 0)
+        """
+    @property
+    def h_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) N m s, stored momentum
+        """
+    @property
+    def revision(self) -> int:
+        """
+        another one wherever D_B is another one
+        """
+
 class Measurement:
     """
-    Sensors to observer.
+    Sensors to navigator and observer.
     """
     @property
     def attitude_valid(self) -> bool:
@@ -146,6 +167,8 @@ class Measurement:
         """
     @attitude_valid.setter
     def attitude_valid(self, arg0: bool) -> None: ...
+    @property
+    def axes(self) -> Axes: ...
     @property
     def euler(self) -> EulerState: ...
     @property
@@ -181,6 +204,13 @@ class Measurement:
         """
     @q_NB.setter
     def q_NB(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def rate_step(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) rad/s, share of the change of omega_BN_B that is a navigator's knowledge, not motion
+        """
+    @rate_step.setter
+    def rate_step(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def rate_valid(self) -> bool:
         """
@@ -242,6 +272,8 @@ class Estimate:
         """
         The measured state, healthy actuators of unknown certainty, no disturbance.
         """
+    @property
+    def axes(self) -> Axes: ...
     @property
     def d_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """

@@ -139,6 +139,11 @@ def build(family: str, name: str, params: Mapping[str, Any]) -> Component:
     return component
 
 
+def navigator(name: str, /, **params: Any) -> Component:
+    """A navigator: sensors as they are -> what ideal ones would show."""
+    return build("navigator", name, params)
+
+
 def observer(name: str, /, **params: Any) -> Component:
     """An observer: measurement -> estimate. ``gyrostat list observer`` names them."""
     return build("observer", name, params)

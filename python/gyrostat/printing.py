@@ -185,7 +185,9 @@ def _guarded(result: Result) -> list[str]:
 
 
 _guard_words = {f"guard.{name}": "not measured" for name in ("attitude", "rate", "momentum")}
-_guard_words |= {f"guard.{name}": "started again" for name in ("observer", "detector", "controller", "allocator")}
+_guard_words |= {
+    f"guard.{name}": "started again" for name in ("navigator", "observer", "detector", "controller", "allocator")
+}
 _guard_words |= {"guard.reference": "held", "guard.command": "held"}
 
 

@@ -4,8 +4,9 @@
 Each role needs ``step``. Optional are ``setup(setup)``, called exactly once, before the run, with vehicle and period;
 ``start``, called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; ``skip(y, last)``
 (observers), called instead of ``step`` for an interval that teaches nothing: rate or wheel momentum was not measured at
-one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; and ``reset`` (allocators). Every run
-flies a copy of the object (`copy.deepcopy`); `Result.components` holds the one that flew.
+one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; ``shift_rate(step)`` (observers), called
+before ``step`` where a navigator says that its rate has moved without motion (``y.rate_step``); and ``reset``
+(allocators). Every run flies a copy of the object (`copy.deepcopy`); `Result.components` holds the one that flew.
 The signals carry the names of the C++ contract: ``x.q_NB``, ``x.omega_BN_B``, ``ref.q_NR``, ``last.u``. An exception
 ends the run and reaches the caller unchanged. A Python step costs microseconds where a compiled one costs nanoseconds.
 """
@@ -18,6 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference
+
+
+@runtime_checkable
+class Navigator(Protocol):
+    """Sensors as they are -> what ideal ones would show: attitude, rate without bias, validity."""
+
+    def step(self, y: Measurement, /) -> Measurement:
+        """Every sample, also those with nothing valid in them. Change what is given and return it."""
 
 
 @runtime_checkable

@@ -42,8 +42,9 @@ def _component(value: Any, info: ValidationInfo) -> Any:
     family = str(info.field_name).removesuffix("s")
     shaped = " with waveforms (gyrostat.waveforms) in them" if family in ("fault", "disturbance") else ""
     raise InputError(
-        f"{_class_of(value).__name__} is a Python object, which only an observer, detector, controller or allocator "
-        f"that closes the loop can be; for '{family}' there are: {', '.join(_core.catalogue()[family])}{shaped}"
+        f"{_class_of(value).__name__} is a Python object, which only a navigator, observer, detector, controller or "
+        f"allocator that closes the loop can be; for '{family}' there are: "
+        f"{', '.join(_core.catalogue()[family])}{shaped}"
     )
 
 
@@ -98,12 +99,13 @@ def _every(value: Any) -> int:
 
 _One = Annotated[Component | str | None, PlainValidator(_component)]
 _Many = Annotated[Sequence[Component], PlainValidator(_components)]
+_Navigator = Annotated[Component | protocols.Navigator | str | None, PlainValidator(_role)]
 _Observer = Annotated[Component | protocols.Observer | str | None, PlainValidator(_role)]
 _Detector = Annotated[Component | protocols.Detector | str | None, PlainValidator(_role)]
 _Controller = Annotated[Component | protocols.Controller | str | None, PlainValidator(_role)]
 _Allocator = Annotated[Component | protocols.Allocator | str | None, PlainValidator(_role)]
 
-_roles = ("observer", "detector", "controller", "allocator")
+_roles = ("navigator", "observer", "detector", "controller", "allocator")
 
 
 class Shadow(Model):
@@ -133,7 +135,7 @@ class Scenario(Model):
         The nominal vehicle: all that flight knows.
     truth, initial
         What really flies where it differs, and the state at t = 0.
-    observer, detector, controller, allocator
+    navigator, observer, detector, controller, allocator
         Components of the flight stack, or Python objects with a ``step`` (see `gyrostat.protocols`).
     reference, integrator
         The attitude to follow and the integrator of the truth.
@@ -177,6 +179,7 @@ class Scenario(Model):
     vehicle: Vehicle
     truth: Truth | None = None
     initial: Initial | None = None
+    navigator: _Navigator = None
     observer: _Observer = None
     detector: _Detector = None
     controller: _Controller = None

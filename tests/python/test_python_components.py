@@ -189,6 +189,58 @@ def test_python_observer_and_allocator_fly_too(ideal: gs.Scenario) -> None:
     np.testing.assert_allclose(ours["omega_BN_B"], ideal.run()["omega_BN_B"], rtol=0, atol=1e-12)
 
 
+class KnowsTheBias:
+    """A navigator that learns the bias of its gyro at tick 500, and says so."""
+
+    bias = np.array([2e-3, -2e-3, 2e-3])
+
+    def step(self, y: gs.Measurement) -> gs.Measurement:
+        if y.tick >= 500:
+            y.omega_BN_B = y.omega_BN_B - self.bias
+        if y.tick == 500:
+            y.rate_step = -self.bias
+        return y
+
+
+class Shifted:
+    """An observer that differentiates the rate, unless it is told that there was no motion."""
+
+    def __init__(self) -> None:
+        self.shifts: list[np.ndarray] = []
+        self.jumps: list[float] = []
+        self.before = np.zeros(3)
+
+    def shift_rate(self, step: np.ndarray) -> None:
+        self.shifts.append(step)
+        self.before = self.before + step
+
+    def step(self, y: gs.Measurement, last: gs.Allocation) -> gs.Estimate:
+        self.jumps.append(float(np.linalg.norm(y.omega_BN_B - self.before)))
+        self.before = y.omega_BN_B
+        return gs.Estimate.healthy(y)
+
+
+def test_a_python_navigator_stands_before_the_observer(ideal: gs.Scenario) -> None:
+    biased = ideal.replace(sensors=[gs.sensors.Gyro(bias=KnowsTheBias.bias)], duration=90.0, observer=Shifted())
+    biased = biased.replace(faults=[], disturbances=[])
+    plain = biased.replace(observer=None).run()
+    flown = biased.replace(navigator=KnowsTheBias()).run()
+    error = [np.rad2deg(result["error.angle"][-1]) for result in (plain, flown)]
+    assert error[0] > 0.5, "a bias is an offset that no observer sees"
+    assert error[1] < 0.01
+    observer = flown.components["observer"]
+    np.testing.assert_allclose(observer.shifts, [-KnowsTheBias.bias], rtol=0, atol=0)
+    assert max(observer.jumps[2:]) < 1e-3, "knowledge is no motion"
+
+
+def test_a_navigator_that_returns_something_else_is_told_so(ideal: gs.Scenario) -> None:
+    class Forgetful:
+        def step(self, y: gs.Measurement) -> None: ...
+
+    with pytest.raises(ValueError, match=r"^navigator Forgetful\.step returned nothing \(None\); a Measurement"):
+        ideal.replace(navigator=Forgetful()).run()  # type: ignore[arg-type]
+
+
 class Watching:
     """An observer that notes what it is called for, and which parts were measured."""
 

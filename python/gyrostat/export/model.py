@@ -49,7 +49,13 @@ OUTPUTS = (
 )
 """The signals on both sides of the stack, by the names of their channels."""
 
-_folders = {"observer": "observers", "detector": "detectors", "controller": "controllers", "allocator": "allocators"}
+_folders = {
+    "navigator": "navigators",
+    "observer": "observers",
+    "detector": "detectors",
+    "controller": "controllers",
+    "allocator": "allocators",
+}
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ TEST(EulerModel, IsThePrintedOneWithItsDerivativesTakenNumerically) {
                                 (J[0] - J[1]) / J[2] * (w[0] * w[1] - 3 * w0 * w0 * r[0] * r[1]) - w0 * column_rate[2]);
     // Central differences: h^2 times a third derivative of order one, and rounding over h.
     EXPECT_LT((euler_model_acceleration(setup.vehicle, a, rates) - expected).norm(), 1e-9) << trial;
-    const Vec3<double> torque_B = known_torque<double>(setup.vehicle, a, rates, VecN<double>::Zero(3));
+    const Vec3<double> torque_B = known_torque<double>(setup.vehicle, a, rates, Vec3<double>::Zero());
     EXPECT_LT((torque_B - J.cwiseProduct(expected)).norm(), 1e-6);
   }
 }
@@ -52,7 +52,10 @@ TEST(EulerModel, OfABodyIsTheGyroscopicTorqueWithItsWheels) {
   const Vec3<double> momentum = setup.vehicle.J_B * w + setup.vehicle.D_B * h_w;
   const Vec3<double> expected(-w[1] * momentum[2] + w[2] * momentum[1], -w[2] * momentum[0] + w[0] * momentum[2],
                               -w[0] * momentum[1] + w[1] * momentum[0]);
-  EXPECT_LT((known_torque<double>(setup.vehicle, Vec3<double>::Zero(), w, h_w) - expected).norm(), 1e-14);
+  EXPECT_LT(
+      (known_torque<double>(setup.vehicle, Vec3<double>::Zero(), w, torque<double>(setup.vehicle.D_B, h_w)) - expected)
+          .norm(),
+      1e-14);
 }
 
 TEST(EulerModel, AReferenceHasTheRatesAndAccelerationsOfItsAngles) {

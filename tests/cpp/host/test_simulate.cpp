@@ -249,12 +249,12 @@ TEST(Together, AnObserverBelowTheAllocatorsFloorIsRefused) {
   Table s = ftc_4rw("rk4");
   s.set("observer", Table{{"type", "iterative_learning"}, {"e_min", 0.02}});
   const std::vector<CheckRow> rows = check(assemble(s));
-  ASSERT_EQ(rows.size(), 5u);
+  ASSERT_EQ(rows.size(), 6u);
   EXPECT_EQ(rows.back().where, "observer and allocator");
   EXPECT_FALSE(rows.back().status.ok());
   EXPECT_THROW(simulate(s), std::invalid_argument);
   s.set("allocator", Table{{"type", "pseudo_inverse"}, {"e_min", 0.02}});
-  EXPECT_EQ(check(assemble(s)).size(), 4u);
+  EXPECT_EQ(check(assemble(s)).size(), 5u);
 }
 
 TEST(Together, EstimatesAreToldByRole) {

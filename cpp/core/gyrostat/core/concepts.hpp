@@ -7,6 +7,14 @@
 
 namespace gyrostat {
 
+/// Turns what sensors show into what ideal ones would: attitude, rate without bias, validity. It sees every sample, those with
+/// nothing valid in them too.
+template <class T>
+concept Navigator = requires(T navigator, const Measurement<typename T::Scalar>& y) {
+  { navigator.start(y) } -> std::convertible_to<Measurement<typename T::Scalar>>;
+  { navigator.step(y) } -> std::convertible_to<Measurement<typename T::Scalar>>;
+};
+
 template <class T>
 concept Observer =
     requires(T observer, const Measurement<typename T::Scalar>& y, const Allocation<typename T::Scalar>& last) {
@@ -26,6 +34,13 @@ Estimate<typename T::Scalar> skip_interval(
   } else {
     return observer.step(y, last);
   }
+}
+
+/// Told before `step` that the measured rate has moved by `step` (rad/s) without motion: rates that an observer remembers move
+/// with it (`shift_rate`), or it would take the difference for a torque.
+template <Observer T>
+void shift_rate(T& observer, const Vec3<typename T::Scalar>& step) {
+  if constexpr (requires { observer.shift_rate(step); }) observer.shift_rate(step);
 }
 
 template <class T>

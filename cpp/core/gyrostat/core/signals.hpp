@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  The whole contract between sensors, observer, detector, controller, allocator and actuators.
+/// @file  The whole contract between sensors, navigator, observer, detector, controller, allocator and actuators.
 ///
 /// SI and radians, scalar-first Hamilton quaternions, frames in names (N inertial, B body, R reference).
 /// One model for all, so that stacks of different papers never count a fault twice:
@@ -47,6 +47,21 @@ struct EulerState {
   Vec3<S> rates = Vec3<S>::Zero();   ///< rad/s
 };
 
+/// Actuator axes at one sample, where they move: gimbals turn, a magnetic field does. Empty: those of the vehicle, for good.
+template <class S>
+struct Axes {
+  Mat3N<S> D_B{3, 0};             ///< in columns; empty: Vehicle::D_B
+  Vec3<S> h_B = Vec3<S>::Zero();  ///< N m s, momentum that actuators store; with empty D_B it is D h_w
+  std::uint32_t revision = 0;     ///< another one wherever D_B is another one
+
+  bool move() const noexcept { return D_B.cols() > 0; }
+  /// The axes of this sample, and the momentum along them, where those of the vehicle are `fixed_B`.
+  const Mat3N<S>& of(const Mat3N<S>& fixed_B) const noexcept { return move() ? D_B : fixed_B; }
+  Vec3<S> momentum_B(const Mat3N<S>& fixed_B, const VecN<S>& h_w) const noexcept {
+    return move() ? h_B : torque<S>(fixed_B, h_w);
+  }
+};
+
 /// What went wrong or was limited; a set of bits, so that several can hold at once. 0: nothing to report.
 enum class Flag : std::uint16_t {
   input_held = 1,       ///< an input was invalid: attitude and rate were carried on, others are the last valid ones
@@ -79,7 +94,7 @@ class Flags {
   std::uint16_t bits_ = 0;
 };
 
-/// sensors -> observer. What is not valid was not measured at this sample: the stack replaces it, and keeps the bit.
+/// sensors -> navigator -> observer. What is not valid was not measured at this sample: the stack replaces it, and keeps the bit.
 template <class S>
 struct Measurement {
   Tick tick = 0;
@@ -89,6 +104,10 @@ struct Measurement {
   EulerState<S>
       euler;  ///< the state in euler_angles coordinates, where it shares the validity of q_NB; else for the curious
   bool attitude_valid = true, rate_valid = true, momentum_valid = true;
+  Vec3<S> rate_step =
+      Vec3<S>::Zero();      ///< rad/s, share of the change of the rate that is knowledge, not motion: a navigator
+                            ///< has moved its gyro bias by less so much
+  Axes<S> axes;             ///< the stack sets them
   std::uint32_t event = 0;  ///< counts jumps that no motion explains; the stack sets it
 };
 
@@ -114,6 +133,7 @@ struct Estimate {
   VecN<S> effectiveness;          ///< delivered / commanded, one an actuator
   VecN<S> effectiveness_bound;    ///< relative half-width; infinity: never excited
   Vec3<S> d_B = Vec3<S>::Zero();  ///< N m, what effectiveness does not explain
+  Axes<S> axes;                   ///< of the measurement
   std::uint32_t event = 0;        ///< of the measurement: counts jumps of the state that no motion explains
   Flags status;
 
@@ -126,6 +146,7 @@ struct Estimate {
     x.omega_BN_B = y.omega_BN_B;
     x.h_w = y.h_w;
     x.euler = y.euler;
+    x.axes = y.axes;
     x.event = y.event;
     x.effectiveness = VecN<S>::Ones(n);
     x.effectiveness_bound = VecN<S>::Constant(n, std::numeric_limits<S>::infinity());

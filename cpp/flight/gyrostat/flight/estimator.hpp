@@ -24,6 +24,7 @@ class Estimator {
     actions_ = {};
     x_ = observer.start(y);
     if (!guard_.possible(x_)) healthy_instead(y);
+    x_.axes = y.axes;
     x_.event = event_ = y.event;
     measured_ = y.rate_valid && y.momentum_valid;
     det_ = detector.start(x_);
@@ -34,12 +35,14 @@ class Estimator {
     actions_ = {};
     const bool measured = y.rate_valid && y.momentum_valid;
     const bool teaches = measured && measured_ && y.event == event_ && guard_.sane(last.u);
+    if (!y.rate_step.isZero(Scalar(0))) shift_rate(observer, y.rate_step);
     x_ = teaches ? observer.step(y, last) : skip_interval(observer, y, last);
     if (!guard_.possible(x_)) {
       x_ = observer.start(y);
       if (!guard_.possible(x_)) healthy_instead(y);
       restarted(actions_.observer);
     }
+    x_.axes = y.axes;
     x_.event = event_ = y.event;
     measured_ = measured;
     det_ = detector.step(x_, last);

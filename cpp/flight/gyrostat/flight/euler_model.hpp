@@ -46,9 +46,9 @@ Vec3<S> euler_model_acceleration(const Vehicle<S>& vehicle, const Vec3<S>& angle
 /// @param angles  read in euler_angles coordinates only
 template <class S>
 Vec3<S> known_torque(const Vehicle<S>& vehicle, const Vec3<S>& angles, const Vec3<S>& omega_BN_B,
-                     const VecN<S>& h_w) noexcept {
+                     const Vec3<S>& h_B) noexcept {
   if (vehicle.coordinates == Coordinates::body) {
-    return -omega_BN_B.cross(vehicle.J_B * omega_BN_B + torque<S>(vehicle.D_B, h_w));
+    return -omega_BN_B.cross(vehicle.J_B * omega_BN_B + h_B);
   }
   return vehicle.J_B.diagonal().cwiseProduct(euler_model_acceleration(vehicle, angles, omega_BN_B));
 }

@@ -29,9 +29,10 @@ namespace gyrostat {
 
 /// What the guard did at one sample.
 struct GuardActions {
-  bool attitude = false, rate = false, momentum = false, reference = false;        ///< input replaced
-  bool observer = false, detector = false, controller = false, allocator = false;  ///< component started again
-  bool command = false;  ///< the previous one issued once more
+  bool attitude = false, rate = false, momentum = false, reference = false;  ///< input replaced
+  bool navigator = false, observer = false, detector = false, controller = false,
+       allocator = false;  ///< component started again
+  bool command = false;    ///< the previous one issued once more
 
   constexpr bool measurement() const noexcept { return attitude || rate || momentum; }
 };
@@ -65,6 +66,11 @@ class Guard {
 
   bool attitude_possible(const Measurement<S>& y) const noexcept {
     return unit(y.q_NB) && (on_body() || within<Vec3<S>>(y.euler.angles, S(1e6)));
+  }
+  /// Whether what it calls measured could be.
+  bool possible(const Measurement<S>& y) const noexcept {
+    return (!y.attitude_valid || attitude_possible(y)) && (!y.rate_valid || rate_possible(y.omega_BN_B)) &&
+           (!y.momentum_valid || momentum_possible(y.h_w)) && within(y.rate_step, rate_);
   }
   bool rate_possible(const Vec3<S>& omega) const noexcept { return within(omega, rate_); }
   bool momentum_possible(const VecN<S>& h_w) const noexcept { return one_each(h_w) && within(h_w, momentum_); }
@@ -101,11 +107,12 @@ class Guard {
 
   /// Of rate and wheel momentum: the interval teaches nothing.
   bool rates_jump(const Measurement<S>& from, const Measurement<S>& to, const VecN<S>& u) const noexcept {
-    const Vec3<S> rate = to.omega_BN_B - from.omega_BN_B;
+    const Vec3<S> rate = to.omega_BN_B - from.omega_BN_B - to.rate_step;
     const VecN<S> momentum = to.h_w - from.h_w;
     if (within(rate, dt_ * acceleration_) && within(momentum, dt_ * S(100) * torque_)) return false;  // as a rule
     S pushed = S(0);
-    for (int i = 0; i < vehicle_.actuators(); ++i) pushed += S(2) * vehicle_.D_B.col(i).norm() * std::abs(u[i]);
+    for (int i = 0; i < vehicle_.actuators(); ++i)
+      pushed += S(2) * from.axes.of(vehicle_.D_B).col(i).norm() * std::abs(u[i]);
     const S turned = std::min(from.omega_BN_B.squaredNorm(), to.omega_BN_B.squaredNorm());
     const S most = u.template lpNorm<Eigen::Infinity>();
     return !within(rate, dt_ * (acceleration_ + pushed / least_ + S(2) * turned)) ||
@@ -132,7 +139,8 @@ class Guard {
         if (vehicle_.wheels.test(i)) y.h_w[i] -= dt_ * delivered[i];
       if (!momentum_possible(y.h_w)) y.h_w = before.h_w;
     }
-    if (!y.rate_valid) y.omega_BN_B = next_rate(before, torque<S>(vehicle_.D_B, delivered) + known(x.d_B));
+    if (!y.rate_valid)
+      y.omega_BN_B = next_rate(before, torque<S>(before.axes.of(vehicle_.D_B), delivered) + known(x.d_B));
     if (!y.attitude_valid) {
       const Vec3<S> turn = dt_ / S(2) * (before.omega_BN_B + y.omega_BN_B);
       y.q_NB = on_body() ? (before.q_NB * quat_exp(turn)).normalized() : quat_from_euler<S>(before.euler.angles + turn);
@@ -162,8 +170,9 @@ class Guard {
   /// By the midpoint rule under a held torque; held where the model leads nowhere.
   Vec3<S> next_rate(const Measurement<S>& before, const Vec3<S>& torque_B) const noexcept {
     const Mat3<S> J_inv = vehicle_.J_B.inverse();
+    const Vec3<S> h_B = before.axes.momentum_B(vehicle_.D_B, before.h_w);
     const auto rate = [&](const Vec3<S>& omega) -> Vec3<S> {
-      return J_inv * (torque_B + known_torque<S>(vehicle_, before.euler.angles, omega, before.h_w));
+      return J_inv * (torque_B + known_torque<S>(vehicle_, before.euler.angles, omega, h_B));
     };
     const Vec3<S> middle = before.omega_BN_B + dt_ / S(2) * rate(before.omega_BN_B);
     const Vec3<S> next = before.omega_BN_B + dt_ * rate(middle);

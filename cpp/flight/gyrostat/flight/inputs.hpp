@@ -25,6 +25,9 @@ class Inputs {
     return begun_;
   }
 
+  /// Axes of this sample, where they move.
+  void point(const Axes<S>& axes) noexcept { y_.axes = axes; }
+
   const Measurement<S>& measurement() const noexcept { return y_; }
   const Reference<S>& reference() const noexcept { return ref_; }
   /// What was replaced at this sample.

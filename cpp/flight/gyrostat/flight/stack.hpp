@@ -16,61 +16,80 @@
 #include <utility>
 
 #include "gyrostat/core/power.hpp"
+#include "gyrostat/flight/axes.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/estimator.hpp"
 #include "gyrostat/flight/inputs.hpp"
+#include "gyrostat/flight/navigation.hpp"
 
 namespace gyrostat {
 
-template <Observer O, Detector D, Controller C, Allocator A>
+/// In front of the observer stands a navigator, which sees every sample, valid or not; `G` says where actuators point.
+template <Observer O, Detector D, Controller C, Allocator A, Navigator N = NoNavigator<typename O::Scalar>,
+          class G = FixedAxes>
+  requires(std::same_as<G, FixedAxes> || Geometry<G, typename O::Scalar>)
 class FlightStack {
  public:
   using Scalar = typename O::Scalar;
   static constexpr bool cannot_throw =
-      Estimator<O, D>::cannot_throw &&
+      Estimator<O, D>::cannot_throw && Navigation<N>::cannot_throw &&
       noexcept(std::declval<C&>().step(
           std::declval<const Estimate<Scalar>&>(), std::declval<const Detection<Scalar>&>(),
           std::declval<const Reference<Scalar>&>(), std::declval<const Allocation<Scalar>&>())) &&
       noexcept(std::declval<A&>().step(std::declval<const Demand<Scalar>&>(), std::declval<const Estimate<Scalar>&>(),
                                        std::declval<const Detection<Scalar>&>()));
 
-  /// Parameters of the four components, with their defaults for the vehicle.
+  /// Parameters of the components, with their defaults for the vehicle.
   struct Params {
     typename O::Params observer;
     typename D::Params detector;
     typename C::Params controller;
     typename A::Params allocator;
+    typename N::Params navigator;
 
     explicit Params(const Setup<Scalar>& setup) noexcept
-        : observer(setup), detector(setup), controller(setup), allocator(setup) {}
+        : observer(setup), detector(setup), controller(setup), allocator(setup), navigator(setup) {}
   };
 
   /// What each component says of its parameters, and what observer and allocator must agree on.
   static Status<Scalar> check(const Setup<Scalar>& setup, const Params& p) noexcept {
     return component_check<O>(setup, p.observer) && component_check<D>(setup, p.detector) &&
            component_check<C>(setup, p.controller) && component_check<A>(setup, p.allocator) &&
+           component_check<N>(setup, p.navigator) &&
            actuators_can_recover(effectiveness_floor_of<O>(p.observer), effectiveness_floor_of<A>(p.allocator));
   }
 
   /// `Checked<FlightStack<...>>` asks `check` before it comes here.
   FlightStack(Unchecked, const Setup<Scalar>& setup, const Params& p)
       : FlightStack(unchecked, setup, O(unchecked, setup, p.observer), D(unchecked, setup, p.detector),
-                    C(unchecked, setup, p.controller), A(unchecked, setup, p.allocator)) {}
+                    C(unchecked, setup, p.controller), A(unchecked, setup, p.allocator),
+                    N(unchecked, setup, p.navigator)) {}
 
   /// Of components that are there already; whether they agree with each other nobody asks.
-  FlightStack(Unchecked, const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_)
-      : estimator(setup, std::move(observer), std::move(detector)),
+  FlightStack(Unchecked, const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_, N navigator_,
+              G geometry = {})
+      : navigation(std::move(navigator_)),
+        estimator(setup, std::move(observer), std::move(detector)),
         controller(std::move(controller_)),
         allocator(std::move(allocator_)),
         du_max_(setup.vehicle.u_rate * setup.dt),
+        geometry_(std::move(geometry)),
         last_(idle()) {}
+
+  FlightStack(Unchecked, const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_)
+    requires std::same_as<N, NoNavigator<Scalar>>
+      : FlightStack(unchecked, setup, std::move(observer), std::move(detector), std::move(controller_),
+                    std::move(allocator_), N(unchecked, setup, typename N::Params(setup))) {}
 
   /// One sample, whatever the inputs hold. The first call with valid ones starts the components; none before it has an effect.
   const Allocation<Scalar>& step(const Measurement<Scalar>& y_in,
                                  const Reference<Scalar>& ref_in) noexcept(cannot_throw) {
-    const bool flies = inputs_.take(guard(), y_in, ref_in, estimator.estimate(), last_.u);
+    const bool flies = inputs_.take(guard(), navigation.take(guard(), y_in), ref_in, estimator.estimate(), last_.u);
+    if constexpr (!std::same_as<G, FixedAxes>) inputs_.point(geometry_(vehicle(), inputs_.measurement()));
     actions_ = inputs_.replaced();
+    actions_.navigator = navigation.restarted();
     Flags status;
+    if (actions_.navigator) status.set(Flag::component_reset);
     if (actions_.measurement() || actions_.reference) status.set(Flag::input_held);
     if (!flies) {
       last_.status = status;
@@ -107,7 +126,7 @@ class FlightStack {
       next = Allocation<Scalar>::idle(vehicle().actuators());
       next.u = previous;
       next.demand_B = demand_.tau_B;
-      next.achieved_B = torque<Scalar>(vehicle().D_B, x.effectiveness.cwiseProduct(previous));
+      next.achieved_B = torque<Scalar>(x.axes.of(vehicle().D_B), x.effectiveness.cwiseProduct(previous));
       status.set(Flag::component_reset);
       status.set(Flag::command_held);
       actions_.command = true;
@@ -121,6 +140,7 @@ class FlightStack {
   /// As constructed: the next step starts the components again.
   void reset() noexcept {
     started_ = false;
+    navigation.reset();
     inputs_ = {};
     actions_ = {};
     last_ = idle();
@@ -138,6 +158,7 @@ class FlightStack {
   /// What the guard did at this sample.
   const GuardActions& actions() const noexcept { return actions_; }
 
+  [[no_unique_address]] Navigation<N> navigation;
   Estimator<O, D> estimator;
   C controller;
   A allocator;
@@ -159,10 +180,11 @@ class FlightStack {
     const bool outside = inside != a.u;
     a.u = inside;
     a.saturated = a.saturated | saturated<Scalar>(a.u, lo, up);
-    if (outside) a.achieved_B = torque<Scalar>(vehicle().D_B, x.effectiveness.cwiseProduct(a.u));
+    if (outside) a.achieved_B = torque<Scalar>(x.axes.of(vehicle().D_B), x.effectiveness.cwiseProduct(a.u));
   }
 
   VecN<Scalar> du_max_;  ///< N m a sample
+  [[no_unique_address]] G geometry_;
   Inputs<Scalar> inputs_;
   Demand<Scalar> demand_;
   Allocation<Scalar> last_;

@@ -7,15 +7,25 @@
 #include <utility>
 
 #include "gyrostat/core/concepts.hpp"
+#include "gyrostat/flight/navigators/none.hpp"
 #include "gyrostat/host/telemetry.hpp"
 
 namespace gyrostat::host {
+
+class NavigatorBase : public Reporting {
+ public:
+  virtual Measurement<double> start(const Measurement<double>& y) = 0;
+  virtual Measurement<double> step(const Measurement<double>& y) = 0;
+  /// True: it changes nothing, and need not be called.
+  virtual bool passes_on() const { return false; }
+};
 
 class ObserverBase : public Reporting {
  public:
   virtual Estimate<double> start(const Measurement<double>& y) = 0;
   virtual Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) = 0;
   virtual Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) = 0;
+  virtual void shift_rate(const Vec3<double>& step) = 0;
 };
 
 class DetectorBase : public Reporting {
@@ -53,6 +63,15 @@ class Model : public Base {
   T component_;
 };
 
+template <Navigator T>
+class NavigatorModel final : public Model<T, NavigatorBase> {
+ public:
+  using Model<T, NavigatorBase>::Model;
+  Measurement<double> start(const Measurement<double>& y) final { return this->component_.start(y); }
+  Measurement<double> step(const Measurement<double>& y) final { return this->component_.step(y); }
+  bool passes_on() const final { return std::same_as<T, NoNavigator<double>>; }
+};
+
 template <Observer T>
 class ObserverModel final : public Model<T, ObserverBase> {
  public:
@@ -64,6 +83,7 @@ class ObserverModel final : public Model<T, ObserverBase> {
   Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) final {
     return skip_interval(this->component_, y, last);
   }
+  void shift_rate(const Vec3<double>& step) final { gyrostat::shift_rate(this->component_, step); }
 };
 
 template <Detector T>
@@ -113,12 +133,25 @@ class Any {
   std::unique_ptr<Base> model_;
 };
 
+class AnyNavigator : public Any<NavigatorBase> {
+ public:
+  explicit AnyNavigator(std::unique_ptr<NavigatorBase> model)
+      : Any(std::move(model)), passes_on_(model_->passes_on()) {}
+  Measurement<double> start(const Measurement<double>& y) { return model_->start(y); }
+  Measurement<double> step(const Measurement<double>& y) { return model_->step(y); }
+  bool passes_on() const noexcept { return passes_on_; }
+
+ private:
+  bool passes_on_;
+};
+
 class AnyObserver : public Any<ObserverBase> {
  public:
   using Any::Any;
   Estimate<double> start(const Measurement<double>& y) { return model_->start(y); }
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) { return model_->step(y, last); }
   Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) { return model_->skip(y, last); }
+  void shift_rate(const Vec3<double>& step) { model_->shift_rate(step); }
 };
 
 class AnyDetector : public Any<DetectorBase> {
@@ -149,6 +182,7 @@ class AnyAllocator : public Any<AllocatorBase> {
   }
 };
 
-static_assert(Observer<AnyObserver> && Detector<AnyDetector> && Controller<AnyController> && Allocator<AnyAllocator>);
+static_assert(Navigator<AnyNavigator> && Observer<AnyObserver> && Detector<AnyDetector> && Controller<AnyController> &&
+              Allocator<AnyAllocator>);
 
 }  // namespace gyrostat::host

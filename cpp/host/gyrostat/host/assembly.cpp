@@ -257,9 +257,9 @@ void read_run(const Table& scenario, Assembly& a) {
 
 void refuse_unknown_keys(const Table& scenario) {
   static const std::vector<std::string> known = {
-      "name",    "description", "duration",     "dt",        "seed",     "run_number", "allow_unstable",
-      "vehicle", "truth",       "initial",      "observer",  "detector", "controller", "allocator",
-      "faults",  "shadows",     "disturbances", "reference", "sensors",  "record",     "integrator"};
+      "name",    "description",  "duration",  "dt",       "seed",     "run_number", "allow_unstable", "vehicle",
+      "truth",   "initial",      "navigator", "observer", "detector", "controller", "allocator",      "faults",
+      "shadows", "disturbances", "reference", "sensors",  "record",   "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 
@@ -325,6 +325,7 @@ Assembly assemble(const Table& scenario) {
   a.plant.integrator =
       read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
   a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");
+  a.navigator = component(block(scenario, "navigator"), "navigator", "none");
   a.observer = component(block(scenario, "observer"), "observer", "passthrough");
   a.detector = component(block(scenario, "detector"), "detector", "none");
   a.controller = component(block(scenario, "controller"), "controller", "mrp_feedback");
@@ -348,6 +349,7 @@ std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponen
     rows.push_back({spec.where.substr(0, spec.where.find(' ')), spec.type, check_one(family, a.setup, spec)});
   };
   const Catalogue& c = catalogue();
+  add(c.navigators, a.navigator);
   add(c.observers, a.observer);
   add(c.detectors, a.detector);
   add(c.controllers, a.controller);
@@ -388,7 +390,8 @@ Stack make_stack(const Assembly& a, const ExternalComponents& external) {
   return Stack(unchecked, a.setup, AnyObserver(make_one(c.observers, a, a.observer, external.observer)),
                AnyDetector(make_one(c.detectors, a, a.detector, external.detector)),
                AnyController(make_one(c.controllers, a, a.controller, external.controller)),
-               AnyAllocator(make_one(c.allocators, a, a.allocator, external.allocator)));
+               AnyAllocator(make_one(c.allocators, a, a.allocator, external.allocator)),
+               AnyNavigator(make_one(c.navigators, a, a.navigator, external.navigator)));
 }
 
 std::vector<Shadow> make_shadows(const Assembly& a, const ExternalComponents&) {

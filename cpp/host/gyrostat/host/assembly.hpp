@@ -16,11 +16,12 @@
 
 namespace gyrostat::host {
 
-using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator>;
+using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator>;
 using Shadow = Estimator<AnyObserver, AnyDetector>;
 
 /// Components that come from outside the catalogue, for roles whose entry has type = "python".
 struct ExternalComponents {
+  std::function<std::unique_ptr<NavigatorBase>(const Setup<double>&)> navigator;
   std::function<std::unique_ptr<ObserverBase>(const Setup<double>&)> observer;
   std::function<std::unique_ptr<DetectorBase>(const Setup<double>&)> detector;
   std::function<std::unique_ptr<ControllerBase>(const Setup<double>&)> controller;
@@ -52,7 +53,7 @@ struct Assembly {
   truth::InitialState initial;
   std::vector<truth::Sensor> sensors;
   ReferenceSpec reference;
-  ComponentSpec observer, detector, controller, allocator;
+  ComponentSpec navigator, observer, detector, controller, allocator;
   std::vector<std::pair<ComponentSpec, ComponentSpec>> shadows;
   Table record;
 };

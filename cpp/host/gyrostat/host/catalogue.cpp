@@ -36,13 +36,15 @@ std::vector<std::string> Family<Base>::names() const {
   return out;
 }
 
+template class Family<NavigatorBase>;
 template class Family<ObserverBase>;
 template class Family<DetectorBase>;
 template class Family<ControllerBase>;
 template class Family<AllocatorBase>;
 
 Catalogue::Catalogue()
-    : observers("observer", builtin_observers()),
+    : navigators("navigator", builtin_navigators()),
+      observers("observer", builtin_observers()),
       detectors("detector", builtin_detectors()),
       controllers("controller", builtin_controllers()),
       allocators("allocator", builtin_allocators()) {}
@@ -109,7 +111,8 @@ FamilyAccess access(const std::string& family) {
 
 std::vector<FamilyAccess> all_families() {
   const Catalogue& c = catalogue();
-  return {access(c.observers),
+  return {access(c.navigators),
+          access(c.observers),
           access(c.detectors),
           access(c.controllers),
           access(c.allocators),

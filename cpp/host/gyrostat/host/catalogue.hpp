@@ -87,6 +87,10 @@ std::vector<Entry<Base>> entries(Components<Component...>) {
 }  // namespace detail
 
 template <template <class> class T>
+Entry<NavigatorBase> navigator() {
+  return detail::entry<T, NavigatorBase, detail::NavigatorModel>();
+}
+template <template <class> class T>
 Entry<ObserverBase> observer() {
   return detail::entry<T, ObserverBase, detail::ObserverModel>();
 }
@@ -124,11 +128,13 @@ class Family {
 class Catalogue {
  public:
   Catalogue();
+  Family<NavigatorBase> navigators;
   Family<ObserverBase> observers;
   Family<DetectorBase> detectors;
   Family<ControllerBase> controllers;
   Family<AllocatorBase> allocators;
 
+  void add(Entry<NavigatorBase> e) { navigators.add(std::move(e)); }
   void add(Entry<ObserverBase> e) { observers.add(std::move(e)); }
   void add(Entry<DetectorBase> e) { detectors.add(std::move(e)); }
   void add(Entry<ControllerBase> e) { controllers.add(std::move(e)); }
@@ -139,6 +145,7 @@ class Catalogue {
 Catalogue& catalogue();
 
 // One role a file: each compiles all components of its role.
+std::vector<Entry<NavigatorBase>> builtin_navigators();
 std::vector<Entry<ObserverBase>> builtin_observers();
 std::vector<Entry<DetectorBase>> builtin_detectors();
 std::vector<Entry<ControllerBase>> builtin_controllers();

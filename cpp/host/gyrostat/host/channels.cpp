@@ -26,7 +26,8 @@ void put(double x, double* out) { *out = x; }
 
 /// What the nominal model knows of the motion without commands.
 Vec3<double> known_of(const Moment& m, const truth::TruthState& s) {
-  return known_torque<double>(m.vehicles.nominal, s.angles, s.omega_BN_B, s.h_w);
+  return known_torque<double>(m.vehicles.nominal, s.angles, s.omega_BN_B,
+                              torque<double>(m.vehicles.nominal.D_B, s.h_w));
 }
 
 Vec3<double> lumped(const Moment& m) {

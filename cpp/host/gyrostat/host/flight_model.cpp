@@ -28,9 +28,14 @@ FlightComponent component(const Family<Base>& family, const Assembly& a, const C
 FlightModel flight_model(const Assembly& a) {
   const Catalogue& c = catalogue();
   FlightModel m{a.setup, a.run.allow_unstable, {}, frame_bytes<double>(), frame_bytes<float>()};
-  m.components = {component(c.observers, a, a.observer), component(c.detectors, a, a.detector),
-                  component(c.controllers, a, a.controller), component(c.allocators, a, a.allocator)};
-  (void)make_stack(a, {});  // refuses what its components refuse
+  m.components = {component(c.navigators, a, a.navigator), component(c.observers, a, a.observer),
+                  component(c.detectors, a, a.detector), component(c.controllers, a, a.controller),
+                  component(c.allocators, a, a.allocator)};
+  (void)make_stack(a, {});           // refuses what its components refuse
+  if (a.navigator.type != "none") {  // what it was given, and what it made of it
+    m.bytes_double += 2 * padded(sizeof(Measurement<double>));
+    m.bytes_float += 2 * padded(sizeof(Measurement<float>));
+  }
   for (const FlightComponent& part : m.components) {
     m.bytes_double += padded(part.cpp.bytes_double);
     m.bytes_float += padded(part.cpp.bytes_float);

@@ -7,7 +7,8 @@ namespace gyrostat::host {
 
 FlightParts::FlightParts(const Assembly& a, const ExternalComponents& external)
     : stack(make_stack(a, external)), shadows(make_shadows(a, external)) {
-  components = {{"observer", &stack.estimator.observer.reporting()},
+  components = {{"navigator", &stack.navigation.navigator.reporting()},
+                {"observer", &stack.estimator.observer.reporting()},
                 {"detector", &stack.estimator.detector.reporting()},
                 {"controller", &stack.controller.reporting()},
                 {"allocator", &stack.allocator.reporting()}};

@@ -22,6 +22,7 @@ constexpr Action actions[] = {{"guard.attitude", "attitude not measured", &Guard
                               {"guard.rate", "rate not measured", &GuardActions::rate},
                               {"guard.momentum", "wheel momentum not measured", &GuardActions::momentum},
                               {"guard.reference", "reference not usable", &GuardActions::reference},
+                              {"guard.navigator", "navigator started again", &GuardActions::navigator},
                               {"guard.observer", "observer started again", &GuardActions::observer},
                               {"guard.detector", "detector started again", &GuardActions::detector},
                               {"guard.controller", "controller started again", &GuardActions::controller},
@@ -253,6 +254,7 @@ Table resolve(const Table& scenario, const Assembly& a) {
     out.set(key, resolved(family.find(spec.type, spec.where).describe(a.setup), spec.params, spec.type));
   };
   const Catalogue& c = catalogue();
+  fill("navigator", c.navigators, a.navigator);
   fill("observer", c.observers, a.observer);
   fill("detector", c.detectors, a.detector);
   fill("controller", c.controllers, a.controller);

@@ -97,9 +97,9 @@ struct Slots::Target {
 };
 
 Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::vector<std::string> words) {
-  static const std::vector<std::string> heads = {"vehicle",      "truth",      "initial",   "seed",      "observer",
-                                                 "detector",     "controller", "allocator", "faults",    "shadows",
-                                                 "disturbances", "reference",  "sensors",   "integrator"};
+  static const std::vector<std::string> heads = {"vehicle",  "truth",        "initial",    "seed",      "navigator",
+                                                 "observer", "detector",     "controller", "allocator", "faults",
+                                                 "shadows",  "disturbances", "reference",  "sensors",   "integrator"};
   const auto next = [&] {
     if (words.empty()) refuse(path, "more belongs here: the name of a parameter");
     const std::string word = words.front();
@@ -131,6 +131,7 @@ Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::
   }
   if (head == "vehicle" || head == "truth" || head == "initial")
     return {&table_at(table_, head), {head}, describe(head, head).params, words};
+  if (head == "navigator") return component(c.navigators, table_at(table_, head), {head}, a.navigator);
   if (head == "observer") return component(c.observers, table_at(table_, head), {head}, a.observer);
   if (head == "detector") return component(c.detectors, table_at(table_, head), {head}, a.detector);
   if (head == "controller") return component(c.controllers, table_at(table_, head), {head}, a.controller);

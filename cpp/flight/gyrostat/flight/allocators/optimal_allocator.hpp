@@ -78,7 +78,7 @@ class OptimalAllocator {
     Allocation<S> out;
     out.u = solution_.command;
     out.demand_B = demand.tau_B;
-    out.achieved_B = torque<S>(vehicle_.D_B, x.effectiveness.cwiseProduct(out.u));
+    out.achieved_B = torque<S>(x.axes.of(vehicle_.D_B), x.effectiveness.cwiseProduct(out.u));
     for (int i = 0; i < vehicle_.actuators(); ++i)
       out.saturated.set(i, usable_.test(i) && (solution_.saturated >> i & 1u) != 0u);
     out.worst_case = solution_.worst_case;
@@ -131,11 +131,13 @@ class OptimalAllocator {
     const int n = vehicle_.actuators(), rank = geometry_.rank();
     VecN<S> e(n);
     for (int i = 0; i < n; ++i) e[i] = usable.test(i) ? std::clamp(x.effectiveness[i], S(0), S(1)) : S(0);
-    if (!geometry_.update(vehicle_.D_B, usable, e)) return;
+    const Mat3N<S>& D_B = x.axes.of(vehicle_.D_B);
+    if (!geometry_.update(D_B, usable, e, x.axes.revision)) return;
     const bool changed = !(usable == usable_) || geometry_.rank() != rank || !state_.valid;
-    if (!changed && rank == 3) return;
+    if (!changed && x.axes.revision == revision_ && rank == 3) return;
     usable_ = usable;
-    Mat3N<S> D = vehicle_.D_B;
+    revision_ = x.axes.revision;
+    Mat3N<S> D = D_B;
     for (int i = 0; i < n; ++i) D.col(i) = usable.test(i) ? geometry_.served(D.col(i)) : Vec3<S>(Vec3<S>::Zero());
     solver_.configure(D, params_.axis_weight);
     if (changed) state_.valid = false;
@@ -185,8 +187,9 @@ class OptimalAllocator {
   typename Solver::State state_;
   typename Solver::Solution solution_;
   Mask usable_;
-  VecN<S> u_;             ///< issued at the previous sample
-  bool ignored_ = false;  ///< the demand has a part along an axis that is not served
+  std::uint32_t revision_ = 0;  ///< of the axes that the solver has
+  VecN<S> u_;                   ///< issued at the previous sample
+  bool ignored_ = false;        ///< the demand has a part along an axis that is not served
 };
 
 }  // namespace gyrostat

@@ -78,7 +78,7 @@ class PseudoInverse {
     out.u = clip<S>(wish, lo, up);
     out.saturated = saturated<S>(out.u, lo, up);
     out.demand_B = demand.tau_B;
-    out.achieved_B = torque<S>(vehicle_.D_B, x.effectiveness.cwiseProduct(out.u));
+    out.achieved_B = torque<S>(x.axes.of(vehicle_.D_B), x.effectiveness.cwiseProduct(out.u));
     if (geometry_.rank() < 3) out.status.set(Flag::rank_lost);
     if (not_met(out)) out.status.set(Flag::demand_not_met);
     u_ = out.u;
@@ -92,8 +92,8 @@ class PseudoInverse {
   void update_inverse(const Estimate<S>& x, const Detection<S>& det) noexcept {
     const int n = vehicle_.actuators();
     usable_ = det.enabled.without(det.failed);
-    if (!geometry_.update(vehicle_.D_B, usable_, params_.use_effectiveness ? believed(x) : VecN<S>(VecN<S>::Ones(n))))
-      return;
+    const VecN<S> e = params_.use_effectiveness ? believed(x) : VecN<S>(VecN<S>::Ones(n));
+    if (!geometry_.update(x.axes.of(vehicle_.D_B), usable_, e, x.axes.revision)) return;
     A_plus_transposed_.resize(3, n);
     for (int i = 0; i < n; ++i) A_plus_transposed_.col(i) = geometry_.inverse() * geometry_.A().col(i);
   }

@@ -37,10 +37,12 @@ class ServedGeometry {
   void reset() noexcept { known_ = false; }
 
   /// Masks are obeyed at once, and what counts is then decided afresh. @return false when nothing changed
-  bool update(const Mat3N<S>& D_B, Mask usable, const VecN<S>& effectiveness) noexcept {
+  /// @param revision  of the axes: while it stands, D_B does
+  bool update(const Mat3N<S>& D_B, Mask usable, const VecN<S>& effectiveness, std::uint32_t revision = 0) noexcept {
     const bool afresh = !known_ || !(usable == usable_);
-    if (!afresh && effectiveness == given_) return false;
+    if (!afresh && revision == revision_ && effectiveness == given_) return false;
     known_ = true;
+    revision_ = revision;
     usable_ = usable;
     given_ = effectiveness;
     used_ = effectiveness;
@@ -108,6 +110,7 @@ class ServedGeometry {
   Mat3<S> projector_ = Mat3<S>::Identity(), inverse_ = Mat3<S>::Zero();
   Mask usable_, in_use_;
   int rank_ = 0;
+  std::uint32_t revision_ = 0;
   bool known_ = false;
 };
 

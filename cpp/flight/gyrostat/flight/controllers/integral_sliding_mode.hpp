@@ -144,7 +144,7 @@ class IntegralSlidingMode {
 
   void remember(const Estimate<S>& x) noexcept {
     omega_ = x.omega_BN_B;
-    gyro_B_ = omega_.cross(vehicle_.J_B * omega_ + torque<S>(vehicle_.D_B, x.h_w));
+    gyro_B_ = omega_.cross(vehicle_.J_B * omega_ + x.axes.momentum_B(vehicle_.D_B, x.h_w));
   }
 
   /// The gain moves after it has been used.

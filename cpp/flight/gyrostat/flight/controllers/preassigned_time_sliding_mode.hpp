@@ -194,7 +194,7 @@ class PreassignedTimeSlidingMode {
   }
 
   Vec3<S> known(const Error& now, const Estimate<S>& x) const noexcept {
-    return known_torque<S>(vehicle_, now.chi.angles, x.omega_BN_B, x.h_w);
+    return known_torque<S>(vehicle_, now.chi.angles, x.omega_BN_B, x.axes.momentum_B(vehicle_.D_B, x.h_w));
   }
 
   Vec3<S> free_acceleration(const Error& now, const Estimate<S>& x, const Reference<S>& ref) const noexcept {

@@ -137,8 +137,9 @@ class PrescribedPerformance {
   /// Torque about a body axis that the actuators in regular use have, with their estimated effectiveness.
   S torque_about(int axis, const Estimate<S>& x) const noexcept {
     S sum = S(0);
+    const Mat3N<S>& D_B = x.axes.of(vehicle_.D_B);
     for (int j = 0; j < vehicle_.actuators(); ++j) {
-      const S lever = std::abs(vehicle_.D_B(axis, j));
+      const S lever = std::abs(D_B(axis, j));
       if (vehicle_.spare.test(j) || lever == S(0)) continue;
       sum += lever * std::max(x.effectiveness[j], params_.e_min) * std::min(vehicle_.u_up[j], -vehicle_.u_lo[j]);
     }

@@ -29,7 +29,7 @@ template <class S>
 Tracking<S> track(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref,
                   ShadowSet<S>& set) noexcept {
   const AttitudeError<S> error = attitude_error(x.q_NB, x.omega_BN_B, ref.q_NR, ref.omega_RN_R);
-  const Vec3<S> momentum_B = vehicle.J_B * x.omega_BN_B + torque<S>(vehicle.D_B, x.h_w);
+  const Vec3<S> momentum_B = vehicle.J_B * x.omega_BN_B + x.axes.momentum_B(vehicle.D_B, x.h_w);
   const Vec3<S> acceleration_B = error.q_RB.conjugate() * ref.omegadot_RN_R - x.omega_BN_B.cross(error.omega_RN_B);
   return {mrp(set(error.q_RB)), error.omega_BR_B, vehicle.J_B * acceleration_B + error.omega_RN_B.cross(momentum_B),
           momentum_B};

@@ -137,11 +137,11 @@ class ThresholdDetector {
 
   /// Effectiveness that the estimate amounts to, of the actuators that push.
   void look(const Estimate<S>& x, const Allocation<S>& last) noexcept {
-    const Mask pushing = excited(vehicle_.D_B, last.u, params_.u_gate);
+    const Mask pushing = excited(x.axes.of(vehicle_.D_B), last.u, params_.u_gate);
     watched_ = pushing.without(params_.unwatched);
     seen_ = x.effectiveness;
     if (params_.use_torque && !x.d_B.isZero(S(0)))
-      seen_ += explaining_change(vehicle_.D_B, last.u, pushing.without(params_.unwatched),
+      seen_ += explaining_change(x.axes.of(vehicle_.D_B), last.u, pushing.without(params_.unwatched),
                                  S(1e-3) * std::max(params_.u_gate, Eigen::NumTraits<S>::epsilon()), x.d_B);
   }
 

@@ -105,6 +105,9 @@ class AdaptiveIterativeLearningObserver {
     return learning_.estimate(y);
   }
 
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { learning_.shift_rate(step); }
+
   void telemetry(auto&& log) const {
     log("error", learning_.error());
     log("gains", Eigen::Matrix<S, 1, 3>(gains_.k1, gains_.k2, gains_.k4));  // three numbers, no axes

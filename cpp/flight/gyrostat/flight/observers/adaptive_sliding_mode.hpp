@@ -113,6 +113,9 @@ class AdaptiveSlidingMode {
     return estimate(y);
   }
 
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { predict_.shift_rate(step); }
+
   void telemetry(auto&& log) const {
     log("rate_error", predict_.error());
     log("rho", rho_);

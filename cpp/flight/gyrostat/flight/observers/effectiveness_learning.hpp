@@ -98,7 +98,7 @@ class EffectivenessLearning {
 
   void start(const Measurement<S>& y) noexcept {
     omega_ = y.omega_BN_B;
-    h_w_ = y.h_w;
+    turn(y);
     error_.setZero();
     e_.setOnes();
     seen_ = Mask{};
@@ -109,19 +109,22 @@ class EffectivenessLearning {
   /// Over an interval that taught nothing: w~ stays, the predicted rate moves with the measured one.
   void skip(const Measurement<S>& y) noexcept {
     omega_ = y.omega_BN_B - error_;
-    h_w_ = y.h_w;
+    turn(y);
   }
+
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { omega_ += step; }
 
   /// First half: the rate observer over the interval just ended, by the midpoint rule. Returns |w~|.
   S observe(const Measurement<S>& y, const Allocation<S>& last, const LearningGains<S>& k, S layer_width) noexcept {
+    const VecN<S> before = h_w_;
+    turn(y);
     const Vec3<S> tau_B = torque<S>(vehicle_.D_B, e_.cwiseProduct(last.u)) + vehicle_.J_B * (k.k1 * error_) +
                           k.k2 * layer(error_, layer_width);
-    const VecN<S> h_w = S(0.5) * (h_w_ + y.h_w);
-    const Vec3<S> h_w_B = torque<S>(vehicle_.D_B, h_w);
+    const Vec3<S> h_w_B = y.axes.momentum_B(vehicle_.D_B, S(0.5) * (before + h_w_));
     const auto rate = [&](const Vec3<S>& w) -> Vec3<S> { return J_inv_ * (tau_B - w.cross(vehicle_.J_B * w + h_w_B)); };
     const Vec3<S> middle = omega_ + dt_ / S(2) * rate(omega_);
     omega_ += dt_ * rate(middle);
-    h_w_ = y.h_w;
     error_ = y.omega_BN_B - omega_;
     return error_.norm();
   }
@@ -153,13 +156,18 @@ class EffectivenessLearning {
   const Vec3<S>& error() const noexcept { return error_; }
 
  private:
+  void turn(const Measurement<S>& y) noexcept {
+    h_w_ = y.h_w;
+    if (y.axes.move()) vehicle_.D_B = y.axes.D_B;
+  }
+
   Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   Mat3<S> J_inv_;
   Vec3<S> omega_ = Vec3<S>::Zero();  ///< rad/s, what
   Vec3<S> error_ = Vec3<S>::Zero();  ///< rad/s, w~
-  VecN<S> h_w_;                      ///< N m s, at the sample before
+  VecN<S> h_w_;                      ///< N m s, at the latest sample
   VecN<S> e_;
   Mask seen_;  ///< excited at least once
   DelayLine<VecN<S>> past_e_;

@@ -84,7 +84,7 @@ class FiniteTimeDisturbanceObserver {
   /// First sample: the observer starts at the measured rate, with no torque.
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
     omega_ = y.omega_BN_B;
-    h_w_B_ = torque<S>(vehicle_.D_B, y.h_w);
+    h_w_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
     z1_.setZero();
     eta_.setZero();
     theta_.setZero();
@@ -93,8 +93,8 @@ class FiniteTimeDisturbanceObserver {
 
   /// Every later sample: over the interval just ended `last.u` was held.
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const Vec3<S> u_B = torque<S>(vehicle_.D_B, last.u);
-    const Vec3<S> h_w_B = torque<S>(vehicle_.D_B, y.h_w);
+    const Vec3<S> u_B = torque<S>(y.axes.of(vehicle_.D_B), last.u);
+    const Vec3<S> h_w_B = y.axes.momentum_B(vehicle_.D_B, y.h_w);
     if (params_.method == Method::implicit) {
       implicit_step(y.omega_BN_B, h_w_B, u_B);
     } else {
@@ -108,9 +108,12 @@ class FiniteTimeDisturbanceObserver {
   /// Nothing is learned: z1 stays, what moves with w.
   [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
     omega_ = y.omega_BN_B;
-    h_w_B_ = torque<S>(vehicle_.D_B, y.h_w);
+    h_w_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
     return estimate(y);
   }
+
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { omega_ += step; }
 
   void telemetry(auto&& log) const {
     log("z1", z1_);

@@ -63,6 +63,9 @@ class IterativeLearningObserver {
     return learning_.estimate(y);
   }
 
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { learning_.shift_rate(step); }
+
   void telemetry(auto&& log) const { log("error", learning_.error()); }
 
  private:

@@ -115,7 +115,7 @@ class LearningDisturbanceObserver {
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
     const Vec3<S> before_B = known_B_, change = y.omega_BN_B - omega_;
     remember(y);
-    const Vec3<S> explained_B = S(0.5) * (before_B + known_B_) + torque<S>(vehicle_.D_B, last.u);
+    const Vec3<S> explained_B = S(0.5) * (before_B + known_B_) + torque<S>(y.axes.of(vehicle_.D_B), last.u);
     e_ = decay_ * e_ + gain_ * (change / dt_ - J_inv_ * explained_B - f_hat_);
     if (++age_ == hold_) {
       age_ = 0;
@@ -129,6 +129,9 @@ class LearningDisturbanceObserver {
     remember(y);
     return estimate(y);
   }
+
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { omega_ += step; }
 
   void telemetry(auto&& log) const {
     log("f_hat", f_hat_);
@@ -153,7 +156,7 @@ class LearningDisturbanceObserver {
 
   void remember(const Measurement<S>& y) noexcept {
     omega_ = y.omega_BN_B;
-    known_B_ = known_torque<S>(vehicle_, y.euler.angles, y.omega_BN_B, y.h_w);
+    known_B_ = known_torque<S>(vehicle_, y.euler.angles, y.omega_BN_B, y.axes.momentum_B(vehicle_.D_B, y.h_w));
   }
 
   Estimate<S> estimate(const Measurement<S>& y) noexcept {

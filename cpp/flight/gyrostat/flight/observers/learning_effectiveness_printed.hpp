@@ -109,6 +109,9 @@ class LearningEffectivenessPrinted {
     return estimate(y);
   }
 
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { predict_.shift_rate(step); }
+
   void telemetry(auto&& log) const { log("rate_error", predict_.error()); }
 
  private:

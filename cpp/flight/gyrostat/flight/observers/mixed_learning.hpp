@@ -96,7 +96,7 @@ class MixedLearningObserver {
   /// Every later sample: over the interval just ended `last.u` was held.
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
     const Vec3<S> gyro_B = omega_hat_.cross(vehicle_.J_B * omega_hat_ + h_w_B_);
-    const Vec3<S> sum = torque<S>(vehicle_.D_B, last.u) - gyro_B + learning_.learnt() + params_.K1 * error_ +
+    const Vec3<S> sum = torque<S>(y.axes.of(vehicle_.D_B), last.u) - gyro_B + learning_.learnt() + params_.K1 * error_ +
                         params_.theta1 * layer(error_, params_.width);
     omega_hat_ += dt_ * (J_inv_ * sum);
     return learn(y);
@@ -105,9 +105,12 @@ class MixedLearningObserver {
   /// Nothing is learned: the error stays, the prediction moves with the rate.
   [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
     omega_hat_ = y.omega_BN_B - error_;
-    h_w_B_ = torque<S>(vehicle_.D_B, y.h_w);
+    h_w_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
     return estimate(y);
   }
+
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { omega_hat_ += step; }
 
   void telemetry(auto&& log) const {
     log("omega_hat", omega_hat_);
@@ -118,7 +121,7 @@ class MixedLearningObserver {
  private:
   Estimate<S> learn(const Measurement<S>& y) noexcept {
     error_ = y.omega_BN_B - omega_hat_;
-    h_w_B_ = torque<S>(vehicle_.D_B, y.h_w);
+    h_w_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
     learning_.update(error_);
     return estimate(y);
   }

@@ -22,22 +22,22 @@ class RatePredictor {
   /// First sample: the prediction begins at the measured rate.
   void start(const Measurement<S>& y) noexcept {
     omega_hat_ = y.omega_BN_B;
-    h_w_B_ = torque<S>(D_B_, y.h_w);
+    turn(y);
     error_.setZero();
     injection_B_.setZero();
   }
 
   /// Over the interval just ended, with its estimated effectiveness and issued command. Returns w~, rad/s.
   const Vec3<S>& step(const Measurement<S>& y, const VecN<S>& effectiveness, const VecN<S>& u) noexcept {
+    const Vec3<S> before_B = h_w_B_;
+    turn(y);
     const Vec3<S> torque_B = torque<S>(D_B_, effectiveness.cwiseProduct(u)) + injection_B_;
-    const Vec3<S> h_w_B = torque<S>(D_B_, y.h_w);
-    const Vec3<S> middle_B = S(0.5) * (h_w_B_ + h_w_B);
-    const Vec3<S> k1 = rate(omega_hat_, torque_B, h_w_B_);
+    const Vec3<S> middle_B = S(0.5) * (before_B + h_w_B_);
+    const Vec3<S> k1 = rate(omega_hat_, torque_B, before_B);
     const Vec3<S> k2 = rate(omega_hat_ + dt_ / S(2) * k1, torque_B, middle_B);
     const Vec3<S> k3 = rate(omega_hat_ + dt_ / S(2) * k2, torque_B, middle_B);
-    const Vec3<S> k4 = rate(omega_hat_ + dt_ * k3, torque_B, h_w_B);
+    const Vec3<S> k4 = rate(omega_hat_ + dt_ * k3, torque_B, h_w_B_);
     omega_hat_ += dt_ / S(6) * (k1 + S(2) * k2 + S(2) * k3 + k4);
-    h_w_B_ = h_w_B;
     error_ = y.omega_BN_B - omega_hat_;
     return error_;
   }
@@ -45,17 +45,25 @@ class RatePredictor {
   /// Over an interval that taught nothing: w~ stays, the prediction moves with the rate.
   void skip(const Measurement<S>& y) noexcept {
     omega_hat_ = y.omega_BN_B - error_;
-    h_w_B_ = torque<S>(D_B_, y.h_w);
+    turn(y);
   }
+
+  /// The measured rate has moved by `step`, rad/s, without motion.
+  void shift_rate(const Vec3<S>& step) noexcept { omega_hat_ += step; }
 
   /// The correction of the next interval, N m.
   void correct(const Vec3<S>& injection_B) noexcept { injection_B_ = injection_B; }
 
   const Vec3<S>& error() const noexcept { return error_; }              ///< rad/s, w~
   const Vec3<S>& injection_B() const noexcept { return injection_B_; }  ///< N m, since the previous sample
-  const Mat3N<S>& D_B() const noexcept { return D_B_; }
+  const Mat3N<S>& D_B() const noexcept { return D_B_; }                 ///< at the latest sample
 
  private:
+  void turn(const Measurement<S>& y) noexcept {
+    h_w_B_ = y.axes.momentum_B(D_B_, y.h_w);
+    if (y.axes.move()) D_B_ = y.axes.D_B;
+  }
+
   Vec3<S> rate(const Vec3<S>& omega, const Vec3<S>& torque_B, const Vec3<S>& h_B) const noexcept {
     return J_inv_ * (torque_B - omega.cross(J_B_ * omega + h_B));
   }
@@ -64,7 +72,7 @@ class RatePredictor {
   Mat3<S> J_B_, J_inv_;
   S dt_;
   Vec3<S> omega_hat_ = Vec3<S>::Zero();  ///< rad/s
-  Vec3<S> h_w_B_ = Vec3<S>::Zero();      ///< N m s, of the wheels at the previous sample
+  Vec3<S> h_w_B_ = Vec3<S>::Zero();      ///< N m s, stored at the latest sample
   Vec3<S> error_ = Vec3<S>::Zero();
   Vec3<S> injection_B_ = Vec3<S>::Zero();
 };
