@@ -100,8 +100,8 @@ py::dict channel(const host::ChannelInfo& c) {
 py::dict inner_rates(const Compiled& c) {
   using truth::InnerRates;
   const InnerRates r = host::inner_rates(c.assembly);
-  return py::dict("turning"_a = r.turning, "friction"_a = r.friction, "longest_step"_a = InnerRates::longest_step,
-                  "most_in_a_sample"_a = InnerRates::most_in_a_sample);
+  return py::dict("turning"_a = r.turning, "bending"_a = r.bending, "friction"_a = r.friction,
+                  "longest_step"_a = InnerRates::longest_step, "most_in_a_sample"_a = InnerRates::most_in_a_sample);
 }
 
 py::list channel_names(const Compiled& c, const py::dict& components) {
@@ -328,6 +328,9 @@ void bind_host(py::module_& m) {
           },
           "By role, the estimates (d_B, effectiveness) that the observer makes and the others use; a Python component "
           "is left out.")
+      .def(
+          "free_frequencies", [](const Compiled& c) { return host::free_frequencies(c.assembly); },
+          "rad/s, ascending, of the modes of its appendages on the body that is free to turn.")
       .def("inner_rates", &inner_rates,
            "Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.")
       .def("channel_names", &channel_names, "components"_a = py::dict(), "Channels that a run of this scenario offers.")

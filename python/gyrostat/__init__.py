@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from gyrostat.experiment import Experiment, Flights
     from gyrostat.results import Event, Result
     from gyrostat.scenario import Record, Scenario, Shadow
-    from gyrostat.vehicle import Initial, Truth, Vehicle
+    from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
 
 __all__ = [
     "Allocation",
@@ -55,6 +55,7 @@ __all__ = [
     "Estimate",
     "Event",
     "Experiment",
+    "Flexible",
     "Flights",
     "Initial",
     "InputError",
@@ -111,7 +112,7 @@ _homes = {
     "experiment": ["Experiment", "Flights"],
     "results": ["Event", "Result"],
     "scenario": ["Record", "Scenario", "Shadow"],
-    "vehicle": ["Initial", "Truth", "Vehicle"],
+    "vehicle": ["Flexible", "Initial", "Truth", "Vehicle"],
 }
 _home_of = {name: home for home, names in _homes.items() for name in names}
 

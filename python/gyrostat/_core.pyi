@@ -461,6 +461,10 @@ class Compiled:
         """
         The flight half of a scenario: nominal vehicle as flight has it, period, components with their C++ class and every parameter as `default`, size of the stack.
         """
+    def free_frequencies(self) -> list[float]:
+        """
+        rad/s, ascending, of the modes of its appendages on the body that is free to turn.
+        """
     def inner_rates(self) -> dict:
         """
         Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.

@@ -66,6 +66,28 @@ class Truth(Block):
     momentum_max: Leaf[float | Vector | None] = None
 
 
+class Flexible(Block):
+    """Appendages of the true vehicle that bend, as modes of the clamped appendage with unit modal mass.
+
+    Parameters
+    ----------
+    delta
+        Coupling with the body's rotation, kg^(1/2) m: a row of three numbers a mode, at most 8 modes.
+    omega
+        Frequencies with the body held, rad/s.
+    xi
+        Damping ratios; 0.005 when not given.
+    eta, eta_rate
+        Displacement and its rate at t = 0, kg^(1/2) m and kg^(1/2) m/s; 0 when not given.
+    """
+
+    delta: Leaf[Matrix]
+    omega: Leaf[Vector]
+    xi: Leaf[Vector | None] = None
+    eta: Leaf[Vector | None] = None
+    eta_rate: Leaf[Vector | None] = None
+
+
 class Initial(Block):
     """State at t = 0: one of ``q_NB``, ``mrp``, ``euler``; body rate and wheel speeds relative to the body."""
 
@@ -114,3 +136,20 @@ def ftc_4rw() -> Vehicle:
     axes = np.array([[1, 1, -1, -1], [1, -1, -1, 1], [1, 1, 1, 1]]) / np.sqrt(3.0)
     inertia = ((20.0, 0.0, 0.9), (0.0, 17.0, 0.0), (0.9, 0.0, 15.0))
     return Vehicle(J_B=inertia, D_B=axes, u_max=0.2, wheel_inertia=0.05)
+
+
+def flexible_4() -> tuple[Vehicle, Flexible]:
+    """A 350 kg m^2 body with four wheels of 1 N m and two solar panels of four modes, and those modes.
+
+    The panel data are those of Di Gennaro and of Hu and others, which most publications on fault-tolerant control of
+    flexible spacecraft use.
+    """
+    vehicle = pyramid4(J_B=((350.0, 3.0, 4.0), (3.0, 270.0, 10.0), (4.0, 10.0, 190.0)), u_max=1.0, wheel_inertia=0.05)
+    delta = (
+        (6.45637, 1.27814, 2.15629),
+        (-1.25819, 0.91756, -1.67264),
+        (1.11687, 2.48901, -0.83674),
+        (1.23637, -2.65810, -1.12530),
+    )
+    modes = Flexible(delta=delta, omega=(0.7681, 1.1038, 1.8733, 2.5496), xi=(0.0056, 0.0086, 0.0128, 0.0252))
+    return vehicle, modes

@@ -13,6 +13,7 @@ from gyrostat.design import (
     estimate_use,
     feasibility,
     feasible_time,
+    flexible,
     identifiability,
     iterative_learning,
     learning_disturbance,
@@ -41,6 +42,7 @@ from gyrostat.scenario import Scenario
 
 CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     estimate_use.findings,
+    flexible.findings,
     identifiability.findings,
     iterative_learning.findings,
     learning_disturbance.findings,

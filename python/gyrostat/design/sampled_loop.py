@@ -90,28 +90,28 @@ def trial(scenario: Scenario, effectiveness: Sequence[float] | float, size: floa
     size
         rad.
     """
-    quiet = scenario.replace(**_quiet(scenario, effectiveness, size))
+    still = scenario.replace(**quiet(scenario, effectiveness, size))
     samples = 1000
     while True:
-        flown = quiet.replace(duration=samples * quiet.dt).run(channels=["error.angle", "truth.omega_BN_B"])
+        flown = still.replace(duration=samples * still.dt).run(channels=["error.angle", "truth.omega_BN_B"])
         if not flown.completed:
             return Trial(False, math.inf)
         angle, rate = flown["error.angle"], np.linalg.norm(flown["truth.omega_BN_B"], axis=1)
         turn = angle.max() / max(float(rate.max()), 1e-300)  # s, about one over the frequency of the motion
-        swing = np.maximum(angle, quiet.dt * rate) / size  # what turns back within a sample shows in the rate alone
+        swing = np.maximum(angle, still.dt * rate) / size  # what turns back within a sample shows in the rate alone
         third = len(swing) // 3
         before, after = swing[third : 2 * third].max(), swing[2 * third :].max()
-        long_enough = samples * quiet.dt > 15.0 * turn
+        long_enough = samples * still.dt > 15.0 * turn
         if samples >= _longest or (long_enough and not GONE < after < GROWN):
             break
         samples = min(_longest, 4 * samples)
     above = np.flatnonzero(swing > GONE)
     over = 0 if not above.size else above[-1] + 1
-    time = float(over * quiet.dt) if over < len(swing) else math.inf
+    time = float(over * still.dt) if over < len(swing) else math.inf
     return Trial(bool(after < GONE or after < min(GROWN, 0.97 * before)), time)
 
 
-def _quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: float) -> dict[str, object]:
+def quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: float) -> dict[str, object]:
     """Changes of a scenario that leave only its loop, and an error at the start."""
     D = np.asarray(scenario.vehicle.D_B, dtype=float)
     given = {} if scenario.truth is None else scenario.truth.to_dict()
@@ -123,7 +123,7 @@ def _quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: flo
         "truth": truth,
         "initial": {"mrp": (math.tan(size / 4.0) * _axis).tolist()},
         "reference": None,
-        "integrator": "rk4",
+        "integrator": "rk4" if scenario.flexible is None else "cvode",
         "faults": [],
         "disturbances": [],
         "sensors": delays,

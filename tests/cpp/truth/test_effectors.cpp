@@ -14,31 +14,6 @@ namespace {
 
 using namespace test;
 
-/// A bending mode: eta'' + 2 zeta W eta' + W^2 eta = -c . w'. States eta and psi = eta' + c . w.
-struct FlexibleMode {
-  static constexpr const char* name = "flexible_mode";
-  static constexpr int states = 2;
-  static constexpr bool along_axis = false;
-  static constexpr Storage storage = Storage::inner;
-  static constexpr int channel = -1;
-  Vec3<double> coupling_B = Vec3<double>::Zero();  // sqrt(kg) m
-  double frequency = 0, damping = 0, eta = 0, etadot = 0;
-
-  Mat3<double> inertia_B() const { return coupling_B * coupling_B.transpose(); }
-  void start(const Scene& s, double* y) const noexcept {
-    y[0] = eta;
-    y[1] = etadot + coupling_B.dot(s.omega_BN_B);
-  }
-  Vec3<double> momentum_B(const Scene&, double, const double* y) const noexcept { return y[1] * coupling_B; }
-  Vec3<double> momentum_rate_B(const Scene&, double, double, const double*, const double* ydot) const noexcept {
-    return ydot[1] * coupling_B;
-  }
-  void rates(const Scene& s, double, const double* y, double* ydot) const noexcept {
-    ydot[0] = y[1] - coupling_B.dot(s.omega_BN_B);
-    ydot[1] = -frequency * (2 * damping * ydot[0] + frequency * y[0]);
-  }
-};
-
 /// Dipole (A m^2) along a body axis in a field that is constant in inertial space: torque axis x B_B.
 struct Coil {
   static constexpr const char* name = "coil";
@@ -101,17 +76,17 @@ TEST(Effectors, AFlexibleModeMovesAsItsAccelerationFormSays) {
   };
   Eigen::Matrix<double, 10, 1> y;  // w, h_w, eta, eta', in this order, and 1 to spare
   const InitialState start = driven_start();
-  y << start.omega_BN_B, start.h_w, mode.eta, mode.etadot, 0;
+  y << start.omega_BN_B, start.h_w, mode.eta, mode.eta_rate, 0;
   const PlantModel base = wheels();
   const Mat3<double> J = base.J_B;
   VecN<double> u;
   const auto rate = [&](const Eigen::Matrix<double, 10, 1>& s) {
     const Vec3<double> w = s.head<3>();
     Eigen::Matrix4d M;
-    M << J, mode.coupling_B, mode.coupling_B.transpose(), 1;
+    M << J, mode.delta_B, mode.delta_B.transpose(), 1;
     Eigen::Vector4d right;
-    right << base.D_B * u - w.cross(J * w + mode.coupling_B * s[8] + base.D_B * s.segment<4>(3)),
-        -2 * mode.damping * mode.frequency * s[8] - mode.frequency * mode.frequency * s[7];
+    right << base.D_B * u - w.cross(J * w + mode.delta_B * s[8] + base.D_B * s.segment<4>(3)),
+        -2 * mode.xi * mode.omega * s[8] - mode.omega * mode.omega * s[7];
     const Eigen::Vector4d turn = M.inverse() * right;
     Eigen::Matrix<double, 10, 1> out;
     out << turn.head<3>(), -u, s[8], turn[3], 0;

@@ -196,6 +196,40 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   a.vehicles.D_true_B = plant.D_B;
 }
 
+/// Modes of appendages, whose inertia the true body has.
+void read_flexible(const Table& scenario, Assembly& a) {
+  const Table& table = block(scenario, "flexible");
+  if (table.empty()) return;
+  const FlexibleBlock f = read_params(FlexibleBlock{}, table, Place{"flexible", a.setup.vehicle.actuators()});
+  const std::size_t m = f.delta.size();
+  if (m == 0) refuse("flexible: delta is missing: a row of three numbers a mode");
+  if (m > FlexibleBlock::most_modes) refuse("flexible: delta has " + std::to_string(m) + " rows; at most 8 modes");
+  if (a.setup.vehicle.coordinates != Coordinates::body) refuse("flexible: appendages fly on body coordinates");
+  const auto one_a_mode = [&](const std::vector<double>& v, const char* name, bool may_be_absent) {
+    if (v.size() == m || (may_be_absent && v.empty())) return;
+    refuse(std::string("flexible: ") + name + " has " + std::to_string(v.size()) +
+           " numbers; one a mode belongs here, " + std::to_string(m));
+  };
+  for (std::size_t k = 0; k < m; ++k) {
+    if (f.delta[k].size() == 3) continue;
+    refuse("flexible: mode " + std::to_string(k) + ": delta has " + std::to_string(f.delta[k].size()) +
+           " numbers; a row is a mode, of three numbers");
+  }
+  one_a_mode(f.omega, "omega", false);
+  one_a_mode(f.xi, "xi", true);
+  one_a_mode(f.eta, "eta", true);
+  one_a_mode(f.eta_rate, "eta_rate", true);
+  const auto of = [](const std::vector<double>& v, std::size_t k, double absent) { return v.empty() ? absent : v[k]; };
+  for (std::size_t k = 0; k < m; ++k) {
+    const std::string mode = "flexible: mode " + std::to_string(k);
+    if (!(f.omega[k] > 0)) refuse(mode + ": frequency must be positive");
+    const Vec3<double> delta_B{f.delta[k][0], f.delta[k][1], f.delta[k][2]};
+    a.plant.modes.push_back({delta_B, f.omega[k], of(f.xi, k, 0.005), of(f.eta, k, 0), of(f.eta_rate, k, 0)});
+  }
+  (void)truth::free_frequencies(a.plant.J_B, a.plant.modes);  // refuses more inertia than there is
+  for (const truth::FlexibleMode& mode : a.plant.modes) a.plant.J_B -= mode.inertia_B();
+}
+
 void read_faults(const Table& scenario, Assembly& a) {
   const int n = a.setup.vehicle.actuators();
   a.plant.faults = read_list<truth::Fault>("fault", scenario, "faults", n);
@@ -257,9 +291,9 @@ void read_run(const Table& scenario, Assembly& a) {
 
 void refuse_unknown_keys(const Table& scenario) {
   static const std::vector<std::string> known = {
-      "name",    "description",  "duration",  "dt",       "seed",     "run_number", "allow_unstable", "vehicle",
-      "truth",   "initial",      "navigator", "observer", "detector", "controller", "allocator",      "faults",
-      "shadows", "disturbances", "reference", "sensors",  "record",   "integrator"};
+      "name",   "description", "duration",     "dt",        "seed",     "run_number", "allow_unstable", "vehicle",
+      "truth",  "flexible",    "initial",      "navigator", "observer", "detector",   "controller",     "allocator",
+      "faults", "shadows",     "disturbances", "reference", "sensors",  "record",     "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 
@@ -315,6 +349,7 @@ Assembly assemble(const Table& scenario) {
   read_run(scenario, a);
   read_vehicle(scenario, a, wheel_inertia);
   read_truth(scenario, a, wheel_inertia);
+  read_flexible(scenario, a);
   read_faults(scenario, a);
   read_initial(scenario, a, wheel_inertia);
   a.vehicles.nominal = a.setup.vehicle;

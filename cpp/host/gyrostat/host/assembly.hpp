@@ -48,6 +48,7 @@ struct Assembly {
   RunBlock run;
   Tick ticks = 0;
   Setup<double> setup;
+  Counts counts() const { return {setup.vehicle.actuators(), static_cast<int>(plant.modes.size())}; }
   Vehicles vehicles;
   truth::PlantModel plant;
   truth::InitialState initial;

@@ -3,6 +3,7 @@
 #pragma once
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "gyrostat/core/params.hpp"
 
@@ -78,6 +79,24 @@ struct InitialBlock {
     field(p.omega_BN_B, Field{"omega_BN_B", "rad/s", -1e3, 1e3, "body rate"});
     field(p.wheel_speed,
           Field{"wheel_speed", "rad/s", -1e6, 1e6, "of each wheel relative to the body; absent: at rest"});
+  }
+};
+
+/// Appendages that bend, on the true vehicle; flight knows nothing of them.
+struct FlexibleBlock {
+  static constexpr const char* name = "flexible";
+  static constexpr int most_modes = 8;
+  std::vector<std::vector<double>> delta;
+  std::vector<double> omega, xi, eta, eta_rate;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.delta, Field{"delta", "kg^1/2 m", -1e6, 1e6,
+                         "coupling of each mode with the body's rotation, modes normalised to unit modal mass; a row a "
+                         "mode, up to 8"});
+    field(p.omega, Field{"omega", "rad/s", 0, 1e6, "frequency of each mode with the body held, > 0"});
+    field(p.xi, Field{"xi", "", 0, 1, "damping ratio of each mode; absent: 0.005"});
+    field(p.eta, Field{"eta", "kg^1/2 m", -1e6, 1e6, "displacement of each mode at t = 0; absent: 0"});
+    field(p.eta_rate, Field{"eta_rate", "kg^1/2 m/s", -1e6, 1e6, "its rate at t = 0; absent: 0"});
   }
 };
 

@@ -123,6 +123,7 @@ std::vector<FamilyAccess> all_families() {
           access<ReferenceSpec>("reference"),
           access<truth::Integrator>("integrator"),
           access<std::variant<VehicleBlock>>("vehicle"),
+          access<std::variant<FlexibleBlock>>("flexible"),
           access<std::variant<TruthBlock>>("truth"),
           access<std::variant<InitialBlock>>("initial"),
           access<std::variant<RunBlock>>("run")};

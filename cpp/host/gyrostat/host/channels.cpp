@@ -12,7 +12,7 @@ namespace gyrostat::host {
 
 namespace {
 
-constexpr int per_actuator = -1;
+constexpr int per_actuator = -1, per_mode = -2;
 
 void put(const Vec3<double>& v, double* out) { std::copy_n(v.data(), 3, out); }
 void put(const VecN<double>& v, double* out) { std::copy_n(v.data(), v.size(), out); }
@@ -54,7 +54,7 @@ double pointing_error(const Moment& m) {
 
 struct Known {
   const char* name;
-  int size;  // per_actuator: one an actuator
+  int size;  // per_actuator, per_mode: one each
   const char* unit;
   const char* meaning;
   void (*fill)(const Moment&, double*);
@@ -72,6 +72,9 @@ const Known known[] = {
     {"truth.euler_rates", 3, "rad/s", "rates of roll, pitch, yaw", [](M m, double* o) { put(m.euler().rates, o); }},
     {"truth.h_w", per_actuator, "N m s", "axial wheel momentum in inertial space",
      [](M m, double* o) { put(m.now.h_w, o); }},
+    {"truth.eta", per_mode, "kg^1/2 m", "displacement of each mode of the appendages",
+     [](M m, double* o) { put(m.now.eta, o); }},
+    {"truth.eta_rate", per_mode, "kg^1/2 m/s", "its rate", [](M m, double* o) { put(m.now.eta_rate, o); }},
     {"truth.delivered", per_actuator, "N m", "torque on the body that the actuators gave",
      [](M m, double* o) { put(m.truth().delivered, o); }, true},
     {"truth.effectiveness", per_actuator, "", "true effectiveness",
@@ -162,10 +165,14 @@ const KnownOfShadow known_of_shadow[] = {
     {"detection.event", 1, "", "count of declarations", [](V v, double* o) { put(v.det->event, o); }},
 };
 
+int width_of(int size, const Counts& counts) {
+  return size == per_actuator ? counts.actuators : size == per_mode ? counts.modes : size;
+}
+
 /// `k` is a Known or a KnownOfShadow.
-ChannelInfo info_of(const std::string& name, const auto& k, int actuators) {
+ChannelInfo info_of(const std::string& name, const auto& k, const Counts& counts) {
   const char* dimension = k.size == per_actuator ? "actuator" : k.size == 3 ? "axis" : k.size == 4 ? "quaternion" : "";
-  return {name, k.size == per_actuator ? actuators : k.size, k.unit, k.meaning, dimension};
+  return {name, width_of(k.size, counts), k.unit, k.meaning, dimension};
 }
 
 ChannelInfo info_of(const std::string& name, const TelemetryEntry& e) {
@@ -186,12 +193,14 @@ bool meant(const std::string& pattern, const std::string& name) {
 
 }  // namespace
 
-std::vector<ChannelInfo> ChannelReader::offered(int actuators, const std::vector<Reported>& components,
+std::vector<ChannelInfo> ChannelReader::offered(const Counts& counts, const std::vector<Reported>& components,
                                                 const std::vector<ShadowView>& shadows) {
   std::vector<ChannelInfo> out;
-  for (const Known& k : known) out.push_back(info_of(k.name, k, actuators));
+  for (const Known& k : known) {
+    if (width_of(k.size, counts) > 0) out.push_back(info_of(k.name, k, counts));
+  }
   for (const ShadowView& s : shadows) {
-    for (const KnownOfShadow& k : known_of_shadow) out.push_back(info_of(s.role + "." + k.name, k, actuators));
+    for (const KnownOfShadow& k : known_of_shadow) out.push_back(info_of(s.role + "." + k.name, k, counts));
   }
   for (const Reported& r : components) {
     for (const TelemetryEntry& e : entries_of(r)) out.push_back(info_of(r.role + "." + e.name, e));
@@ -212,11 +221,11 @@ std::vector<std::string> ChannelReader::usual(const std::vector<Reported>& compo
   return names;
 }
 
-ChannelReader::ChannelReader(const std::vector<std::string>& names, int actuators,
+ChannelReader::ChannelReader(const std::vector<std::string>& names, const Counts& counts,
                              const std::vector<Reported>& components, std::vector<ShadowView> shadows,
                              const std::string& where)
     : shadows_(std::move(shadows)) {
-  for (const std::string& pattern : names) choose(pattern, actuators, components, where);
+  for (const std::string& pattern : names) choose(pattern, counts, components, where);
 }
 
 void ChannelReader::add(ChannelInfo info, Source source) {
@@ -238,21 +247,21 @@ int ChannelReader::telemetry_of(const Reported& r) {
   return static_cast<int>(telemetry_.size()) - 1;
 }
 
-void ChannelReader::choose(const std::string& pattern, int actuators, const std::vector<Reported>& components,
+void ChannelReader::choose(const std::string& pattern, const Counts& counts, const std::vector<Reported>& components,
                            const std::string& where) {
   bool found = false;
   for (const Known& k : known) {
-    if (!meant(pattern, k.name)) continue;
+    if (!meant(pattern, k.name) || width_of(k.size, counts) == 0) continue;
     found = true;
     needs_previous_ = needs_previous_ || k.previous;
-    add(info_of(k.name, k, actuators), {.fill = k.fill});
+    add(info_of(k.name, k, counts), {.fill = k.fill});
   }
   for (std::size_t i = 0; i < shadows_.size(); ++i) {
     for (const KnownOfShadow& k : known_of_shadow) {
       const std::string name = shadows_[i].role + "." + k.name;
       if (!meant(pattern, name)) continue;
       found = needs_shadows_ = true;
-      add(info_of(name, k, actuators), {.fill_shadow = k.fill, .part = i});
+      add(info_of(name, k, counts), {.fill_shadow = k.fill, .part = i});
     }
   }
   for (const Reported& r : components) {
@@ -269,7 +278,7 @@ void ChannelReader::choose(const std::string& pattern, int actuators, const std:
   }
   if (found) return;
   std::vector<std::string> all;
-  for (const ChannelInfo& c : offered(actuators, components, shadows_)) all.push_back(c.name);
+  for (const ChannelInfo& c : offered(counts, components, shadows_)) all.push_back(c.name);
   const std::string near = nearest(pattern, all);
   throw std::invalid_argument(where + ": no channel '" + pattern + "'" +
                               (near.empty() ? "" : ", did you mean '" + near + "'?"));

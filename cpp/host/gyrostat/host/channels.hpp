@@ -20,6 +20,11 @@ struct ChannelInfo {
   std::string unit, meaning, dimension;
 };
 
+/// How many of what a vehicle has: widths of channels.
+struct Counts {
+  int actuators = 0, modes = 0;
+};
+
 /// The true vehicle beside the nominal one; channels compare them.
 struct Vehicles {
   Vehicle<double> nominal;
@@ -90,14 +95,14 @@ struct ShadowView {
 class ChannelReader {
  public:
   /// Every channel that a run with these parts offers.
-  static std::vector<ChannelInfo> offered(int actuators, const std::vector<Reported>& components,
+  static std::vector<ChannelInfo> offered(const Counts& counts, const std::vector<Reported>& components,
                                           const std::vector<ShadowView>& shadows);
   /// What is recorded when nobody chooses.
   static std::vector<std::string> usual(const std::vector<Reported>& components,
                                         const std::vector<ShadowView>& shadows);
 
   /// `names` may end in ".*". Throws std::invalid_argument naming the nearest channel; `where` stands before it.
-  ChannelReader(const std::vector<std::string>& names, int actuators, const std::vector<Reported>& components,
+  ChannelReader(const std::vector<std::string>& names, const Counts& counts, const std::vector<Reported>& components,
                 std::vector<ShadowView> shadows, const std::string& where);
 
   /// In the order of their names; one that was named twice stands once.
@@ -127,7 +132,7 @@ class ChannelReader {
     std::vector<double> row;
   };
 
-  void choose(const std::string& pattern, int actuators, const std::vector<Reported>& components,
+  void choose(const std::string& pattern, const Counts& counts, const std::vector<Reported>& components,
               const std::string& where);
   void add(ChannelInfo info, Source source);
   int telemetry_of(const Reported& component);

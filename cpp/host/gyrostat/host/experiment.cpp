@@ -101,7 +101,7 @@ struct Objects {
         parts(a, external) {}
 
   ChannelReader reader(const std::vector<std::string>& channels) const {
-    return {channels, a.setup.vehicle.actuators(), parts.components, parts.views, "measure"};
+    return {channels, a.counts(), parts.components, parts.views, "measure"};
   }
 };
 

@@ -242,9 +242,15 @@ truth::InnerRates inner_rates(const Assembly& a) {
   return std::visit([](const auto& plant) { return plant.inner_rates(); }, make_plant(a));
 }
 
+std::vector<double> free_frequencies(const Assembly& a) {
+  Mat3<double> J_B = a.plant.J_B;
+  for (const truth::FlexibleMode& mode : a.plant.modes) J_B += mode.inertia_B();
+  return truth::free_frequencies(J_B, a.plant.modes);
+}
+
 std::vector<ChannelInfo> channels(const Assembly& a, const ExternalComponents& external) {
   const FlightParts parts(a, external);
-  return ChannelReader::offered(a.setup.vehicle.actuators(), parts.components, parts.views);
+  return ChannelReader::offered(a.counts(), parts.components, parts.views);
 }
 
 Table resolve(const Table& scenario, const Assembly& a) {
@@ -282,7 +288,7 @@ RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalCompo
   if (options.record) {
     const std::vector<std::string> names =
         options.channels.empty() ? ChannelReader::usual(parts.components, parts.views) : options.channels;
-    recorder.emplace(ChannelReader(names, a.setup.vehicle.actuators(), parts.components, parts.views, "record"));
+    recorder.emplace(ChannelReader(names, a.counts(), parts.components, parts.views, "record"));
     reserve(*recorder, a, options);
   }
   Watcher watcher(a, plant, parts, recorder ? &*recorder : nullptr, options);

@@ -43,6 +43,8 @@ std::vector<CheckRow> check(const Assembly& a, const ExternalComponents& externa
 
 /// How quick the truth is at the start, against the period.
 truth::InnerRates inner_rates(const Assembly& a);
+/// rad/s, ascending, of the modes of its appendages on the body that is free to turn.
+std::vector<double> free_frequencies(const Assembly& a);
 
 /// The scenario that `a` was made from, with every default filled in.
 Table resolve(const Table& scenario, const Assembly& a);

@@ -250,7 +250,7 @@ InnerRates HeldPlant::inner_rates() const noexcept {
   Vec3<double> held{y_[4], y_[5], y_[6]};
   if (outer_.any()) held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w);
   const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
-  return {std::sqrt(2 * (state_.omega_BN_B.squaredNorm() + precession2)), friction_rate_};
+  return {std::sqrt(2 * (state_.omega_BN_B.squaredNorm() + precession2)), bending_rate_, friction_rate_};
 }
 
 /// Steps on this length so that none is longer than rk4 may take them.

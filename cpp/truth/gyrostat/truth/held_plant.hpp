@@ -95,6 +95,7 @@ class HeldPlant {
   int states_;
   Mask in_equations_;   ///< channels of effectors in the right-hand side
   Mask along_, outer_;  ///< channels whose impulse goes along a fixed axis; of these, those where it leaves the vehicle
+  double bending_rate_ = 0;   ///< rad/s, of the quickest mode of an appendage
   double friction_rate_ = 0;  ///< 1/s, at which the quickest speed dies out in viscous friction
   bool looks_ahead_ = false;  ///< pieces are flown a step at a time
   FaultyActuators actuators_;

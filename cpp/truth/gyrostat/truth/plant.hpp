@@ -8,6 +8,7 @@
 
 #include "gyrostat/truth/actuators.hpp"
 #include "gyrostat/truth/disturbances.hpp"
+#include "gyrostat/truth/effectors/flexible_mode.hpp"
 #include "gyrostat/truth/integrator.hpp"
 #include "gyrostat/truth/sensors.hpp"
 
@@ -15,10 +16,12 @@ namespace gyrostat::truth {
 
 /// The true vehicle and what happens to it.
 struct PlantModel {
-  Mat3<double> J_B = Mat3<double>::Identity();  ///< kg m^2, total inertia less what effectors take (wheels: Js g g')
-  Mat3N<double> D_B{3, 0};                      ///< actuator axes in columns
+  Mat3<double> J_B = Mat3<
+      double>::Identity();  ///< kg m^2, total inertia less what effectors take (wheels: Js g g', modes: delta delta')
+  Mat3N<double> D_B{3, 0};  ///< actuator axes in columns
   Actuators actuators = Actuators::ideal(0);
   std::vector<Fault> faults;
+  std::vector<FlexibleMode> modes;  ///< of appendages
   std::vector<Disturbance> disturbances;
   double orbit_rate = 0;  ///< rad/s, for gravity_gradient and the Euler-angle model
   Integrator integrator;
@@ -37,6 +40,7 @@ struct TruthState {
   Quat<double> q_NB = Quat<double>::Identity();
   Vec3<double> omega_BN_B = Vec3<double>::Zero();  ///< rad/s
   VecN<double> h_w;                                ///< N m s
+  VecN<double> eta, eta_rate;                      ///< kg^1/2 m, kg^1/2 m/s, of the modes of appendages
   Vec3<double> angles = Vec3<double>::Zero();  ///< rad, roll, pitch, yaw of a plant whose states they are; else zero
 };
 
@@ -53,9 +57,11 @@ struct TruthSample : TruthState {
 /// How quickly the truth's own motion goes on, beside what drives it.
 struct InnerRates {
   double turning = 0;  ///< 1/s, sqrt(2 (|w|^2 + |H|^2 |J^-1|^2)), H what turns with the body: of turning and precession
+  double bending = 0;  ///< rad/s, of the quickest mode of an appendage
   double friction = 0;  ///< 1/s, at which the quickest wheel stops in viscous friction
 
   static constexpr double longest_step = 0.5;       ///< of rk4, in time constants; it would diverge from 2.785 on
+  static constexpr double longest_bending = 2.785;  ///< rad of the quickest mode in a step of rk4
   static constexpr double most_in_a_sample = 1000;  ///< time constants; no integrator goes on beyond
 };
 

@@ -40,9 +40,11 @@ class RigidPlantOf final : public HeldPlant {
   static List all_effectors(const PlantModel& model, List others);
   static Mat3<double> total_inertia(const Mat3<double>& J_B, const List& effectors);
   void list_effectors();
+  void look_at_modes();
 
   double fly_piece(double t1) override;
   void publish() override;
+  void show_others();
 
   void settle_wheels() noexcept;
   void settle_standing() noexcept;
@@ -103,10 +105,13 @@ class RigidPlantOf final : public HeldPlant {
 
   static constexpr bool has_others =
       List::any([]<class E>() { return detail::Coupled<E> && !std::derived_from<E, Wheel>; });
+  /// Any of them at all.
+  bool others_fly() const noexcept { return has_others && others_fly_; }
   static constexpr int capacity = rigid_states + max_actuators * List::most_states;  ///< of the integrators
   static_assert(capacity <= most_states);
 
   List effectors_;
+  bool others_fly_ = false;
   std::array<const Wheel*, max_actuators> wheel_{};  ///< by channel, into effectors_
   std::array<FrictionWheel*, max_actuators> friction_wheel_{};
   std::array<int, max_actuators> friction_index_{};  ///< into the state; -1: none

@@ -56,6 +56,11 @@ List RigidPlantOf<List>::all_effectors(const PlantModel& model, List others) {
   const Actuators& a = model.actuators;
   if (const std::string error = a.check(); !error.empty()) throw std::invalid_argument(error);
   detail::refuse_if(model.D_B.cols() < a.size(), "body: D_B must have one column an actuator");
+  if constexpr (List::template has<FlexibleMode>) {
+    for (const FlexibleMode& mode : model.modes) others.add(mode);
+  } else {
+    detail::refuse_if(!model.modes.empty(), "plant: appendages need effectors that bend");
+  }
   Mask taken;
   others.each([&](const auto& e) {
     if (e.channel < 0) return;
@@ -111,7 +116,7 @@ RigidPlantOf<List>::RigidPlantOf(List effectors, PlantModel& model, const Initia
     inner += E::states;
   });
   Vec3<double> H_B = J_B_ * initial.omega_BN_B + torque<double>(D_B_, stored_);
-  if constexpr (has_others) H_B += others(scene, y_, driven_now()).momentum_B;
+  if (others_fly()) H_B += others(scene, y_, driven_now()).momentum_B;
   std::copy_n(std::array{q.w(), q.x(), q.y(), q.z(), H_B[0], H_B[1], H_B[2]}.begin(), rigid_states, y_.begin());
   begin(initial.omega_BN_B);
 }
@@ -125,6 +130,7 @@ void RigidPlantOf<List>::list_effectors() {
   effectors_.each([&]<class E>(E& e) {
     const auto index = static_cast<std::size_t>(e.channel);
     if (e.channel >= 0) in_equations_.set(e.channel, detail::Coupled<E>);
+    if constexpr (detail::Coupled<E> && !std::derived_from<E, Wheel>) others_fly_ = true;
     if constexpr (E::along_axis) {
       along_.set(e.channel);
       outer_.set(e.channel, E::storage == Storage::outer);
@@ -144,6 +150,27 @@ void RigidPlantOf<List>::list_effectors() {
   looks_ahead_ = watched_.any() && effectors_.coupled();
   friction_rate_ = detail::relaxation(friction_wheels, J_B_inverse_);
   detail::refuse_quick_bearings(friction_wheels, friction_rate_, dt_);
+  look_at_modes();
+}
+
+/// Of appendages: rk4 would diverge where its step is too long for one.
+template <class List>
+void RigidPlantOf<List>::look_at_modes() {
+  std::vector<FlexibleMode> modes;
+  Mat3<double> J_B = J_B_;
+  effectors_.each([&]<class E>(const E& e) {
+    if constexpr (std::same_as<E, FlexibleMode>) {
+      modes.push_back(e);
+      J_B += e.inertia_B();
+    }
+  });
+  if (modes.empty()) return;
+  bending_rate_ = free_frequencies(J_B, modes).back();
+  const double h = dt_ / std::max(rk4_substeps_, 1);
+  if (rk4_substeps_ == 0 || bending_rate_ * h <= InnerRates::longest_bending) return;
+  throw std::invalid_argument("rk4: a step of " + detail::text(h) + " s is " + detail::text(bending_rate_ * h) +
+                              " rad of the quickest mode of the appendages (" + detail::text(bending_rate_) +
+                              " rad/s on the free body); more than 2.785 diverges: more substeps, or cvode");
 }
 
 template <class List>
@@ -251,12 +278,26 @@ void RigidPlantOf<List>::publish() {
     if (along_.test(i)) Jw -= h * D_B_.col(i);
     if (is_wheel(i)) state_.h_w[i] = h;
   }
-  if constexpr (has_others) Jw -= others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now()).momentum_B;
+  if (others_fly()) Jw -= others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now()).momentum_B;
   state_.omega_BN_B = held_.J_B_inverse * Jw;
+  if (others_fly()) show_others();
   if (!standing_.any()) return;
   for (int i = 0; i < actuators_.size(); ++i) {
     if (standing_.test(i)) state_.h_w[i] = wheel(i).turned_momentum(state_.omega_BN_B);
   }
+}
+
+/// What is seen of their states.
+template <class List>
+void RigidPlantOf<List>::show_others() {
+  const Scene scene{t_, state_.q_NB, state_.omega_BN_B};
+  const double* inner = y_.data() + rigid_states;
+  state_.eta.resize(0);
+  state_.eta_rate.resize(0);
+  effectors_.each_coupled([&]<class E>(const E& e) {
+    if constexpr (requires { e.show(scene, inner, state_); }) e.show(scene, inner, state_);
+    inner += E::states;
+  });
 }
 
 template <class List>
@@ -285,7 +326,7 @@ TruthSample RigidPlantOf<List>::sample() const {
   }
   Vec3<double> rotating = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w),
                along = torque<double>(D_B_, s.delivered);
-  if constexpr (has_others) {
+  if (others_fly()) {
     for (int i = 0; i < n; ++i) {
       if (!along_.test(i)) along -= s.delivered[i] * D_B_.col(i);
     }
@@ -322,7 +363,7 @@ Vec3<double> RigidPlantOf<List>::rate(double x, const State& y) const noexcept {
   for (int i = 0; i < actuators_.size(); ++i) {
     if (along_.test(i) && !standing_.test(i)) Jw -= (stored(i, x) + taken(i, y)) * D_B_.col(i);
   }
-  if constexpr (has_others) Jw -= others(scene(x, y, Vec3<double>::Zero()), y, driven_at(x)).momentum_B;
+  if (others_fly()) Jw -= others(scene(x, y, Vec3<double>::Zero()), y, driven_at(x)).momentum_B;
   return held_.J_B_inverse * Jw;
 }
 
@@ -338,7 +379,7 @@ Vec3<double> RigidPlantOf<List>::moment(double x, const State& y, const Vec3<dou
     const double viscous = is_wheel(i) ? wheel(i).viscous * wheel(i).speed(h, omega_BN_B) : 0.0;
     sum += (value(delivered_[static_cast<std::size_t>(i)], x) + viscous) * g;
   }
-  if constexpr (has_others) {
+  if (others_fly()) {
     const Others more = others(scene(x, y, omega_BN_B), y, driven_at(x));
     rotating += more.turning_B;
     sum += more.torque_B;

@@ -68,6 +68,8 @@ concept Effector = requires(const E& e) {
 template <Effector... E>
 class EffectorList {
  public:
+  template <class T>
+  static constexpr bool has = (std::same_as<E, T> || ...);
   static constexpr int most_states = std::max({0, E::states...});  ///< of one effector
 
   /// Whether some kind is so.
