@@ -32,6 +32,7 @@ void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 #include <Eigen/Dense>
 
 #include "gyrostat/flight/allocators.hpp"
+#include "gyrostat/flight/navigators.hpp"
 #include "stacks.hpp"
 
 namespace gyrostat::test {
@@ -80,6 +81,37 @@ TYPED_TEST(Embedded, NoAllocationFromConstructionOn) {
   EXPECT_EQ(eigen_failures - failed, 0);
   EXPECT_EQ(stacks, static_cast<int>(Controllers::count)) << "the longest list";
   EXPECT_TRUE(finite);
+}
+
+/// Navigators see what others do not: samples of which nothing is valid.
+TYPED_TEST(Embedded, NavigatorsAllocateNothingAndBearWhatComes) {
+  using S = TypeParam;
+  const gyrostat::Setup<S> setup = ftc_4rw<S>();
+  const S nan = std::numeric_limits<S>::quiet_NaN();
+  int stacks = 0;
+  for_every_component<S, Components<Passthrough>, Components<NoDetector>, Components<MrpFeedback>,
+                      Components<PseudoInverse>, Navigators>(setup, [&](auto stack) {
+    static_assert(decltype(stack)::cannot_throw);
+    const long before = allocations, failed = eigen_failures;
+    Eigen::internal::set_is_malloc_allowed(false);
+    bool finite = true;
+    for (Tick k = 0; k < 1000; ++k) {
+      Measurement<S> y = wobble<S>(k, 4);
+      if (k % 7 == 1) y.q_NB.coeffs().setConstant(nan);
+      if (k % 11 == 1) y.omega_BN_B[0] = nan;
+      if (k % 300 > 280) y.attitude_valid = y.rate_valid = y.momentum_valid = false;
+      if (k % 90 == 50) y.q_NB = Quat<S>(0, 0, 1, 0);
+      finite = finite && step(stack, y).u.allFinite();
+    }
+    stack.reset();
+    step(stack, wobble<S>(0, 4));
+    Eigen::internal::set_is_malloc_allowed(true);
+    EXPECT_EQ(allocations - before, 0);
+    EXPECT_EQ(eigen_failures - failed, 0);
+    EXPECT_TRUE(finite);
+    ++stacks;
+  });
+  EXPECT_EQ(stacks, static_cast<int>(Navigators::count));
 }
 
 /// NaN, infinite, huge, tiny and zero numbers in every field: the command stays finite and inside its limits, and the flags

@@ -316,6 +316,25 @@ Status<double> check_pair(const Assembly& a) {
                                coupling_of(c.allocators, a, a.allocator).effectiveness_floor);
 }
 
+/// What a navigator is not told of its sensors, from the sensors: their data sheets, never their bias.
+void fill_from_sensors(Assembly& a) {
+  if (a.navigator.type != "mekf") return;
+  const auto absent = [&](const char* key) { return a.navigator.params.find(key) == nullptr; };
+  const double h = a.setup.dt;
+  for (const truth::Sensor& sensor : a.sensors) {
+    if (const auto* gyro = std::get_if<truth::Gyro>(&sensor); gyro != nullptr && absent("angle_random_walk")) {
+      const double square = (gyro->noise * gyro->noise + gyro->quantisation * gyro->quantisation / 12) * h;
+      if (square > 0) a.navigator.params.set("angle_random_walk", std::sqrt(square));
+    }
+    if (const auto* attitude = std::get_if<truth::AttitudeSensor>(&sensor)) {
+      const double square = attitude->noise * attitude->noise + attitude->quantisation * attitude->quantisation / 12;
+      if (square > 0 && absent("attitude_noise"))
+        a.navigator.params.set("attitude_noise", write(Vec3<double>(Vec3<double>::Constant(std::sqrt(square)))));
+      if (attitude->delay > 0 && absent("latency")) a.navigator.params.set("latency", attitude->delay);
+    }
+  }
+}
+
 std::string text_of(const Status<double>& s) {
   return std::string(s.quantity) + " = " + number_text(s.value) + ", must be " + s.relation + " " +
          number_text(s.limit);
@@ -361,6 +380,7 @@ Assembly assemble(const Table& scenario) {
       read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
   a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");
   a.navigator = component(block(scenario, "navigator"), "navigator", "none");
+  fill_from_sensors(a);
   a.observer = component(block(scenario, "observer"), "observer", "passthrough");
   a.detector = component(block(scenario, "detector"), "detector", "none");
   a.controller = component(block(scenario, "controller"), "controller", "mrp_feedback");
