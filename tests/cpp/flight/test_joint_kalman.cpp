@@ -115,6 +115,12 @@ Allocation<S> issued(const VecN<double>& u) {
   return last;
 }
 
+/// Compiled once: the filter is much code for every test of its own.
+template <class S>
+[[gnu::noinline]] Estimate<S> advance(JointKalman<S>& observer, const Measurement<S>& y, const Allocation<S>& last) {
+  return observer.skip(y, last);
+}
+
 /// The filter by the book: dense F, one update with a 3 + n_w square inverse, and an opening that adds its variance before
 /// the interval and propagates again.
 struct DenseFilter {
@@ -287,7 +293,7 @@ TEST(JointKalman, IsTheDenseFilterOfItsModel) {
     if (k == 450) plant.effectiveness[0] = 0;
     plant.advance(u);
     y = plant.measured<double>(static_cast<Tick>(k), random, 1e-5, 1e-5);
-    (void)observer.step(y, issued<double>(u));
+    (void)advance(observer, y, issued<double>(u));
     oracle.step(y, u);
     const VectorXd scale = oracle.P.diagonal().cwiseSqrt();
     const MatrixXd P = observer.covariance().lower().selfadjointView<Eigen::Lower>();
@@ -317,7 +323,8 @@ void fly(JointKalman<S>& observer, Plant& plant, int samples, double rate_noise,
     VecN<double> u = exciting(setup, k);
     before(k, plant, u);
     plant.advance(u);
-    look(k, observer.step(plant.measured<S>(static_cast<Tick>(k), random, rate_noise, momentum_noise), issued<S>(u)),
+    look(k,
+         advance(observer, plant.measured<S>(static_cast<Tick>(k), random, rate_noise, momentum_noise), issued<S>(u)),
          u);
   }
 }
@@ -442,7 +449,7 @@ TYPED_TEST(JointKalmanOf, ActuatorsInAnotherOrderAreTheSameActuators) {
     if (k == 100) plant.effectiveness[1] = 0.3;
     plant.advance(u);
     y = plant.measured<S>(static_cast<Tick>(k), random, 1e-5, 1e-5);
-    const Estimate<S> x = one.step(y, issued<S>(u)), z = two.step(turned(y), issued<S>(shuffled(u)));
+    const Estimate<S> x = advance(one, y, issued<S>(u)), z = advance(two, turned(y), issued<S>(shuffled(u)));
     // Sums in another order; float then decides about an opening or an edge a little differently.
     const double tolerance = sizeof(S) == 8 ? 1e-7 : 2e-2;
     EXPECT_LT(static_cast<double>((shuffled(x.effectiveness) - z.effectiveness).cwiseAbs().maxCoeff()), tolerance) << k;
@@ -481,8 +488,8 @@ TYPED_TEST(JointKalmanOf, TheScaleOfTheVehicleIsOfNoConsequence) {
     if (k == 100) plant.effectiveness[1] = 0.3;
     plant.advance(u);
     y = plant.measured<S>(static_cast<Tick>(k), random, 1e-5, 1e-5);
-    const Estimate<S> x = observer.step(y, issued<S>(u));
-    const Estimate<S> z = scaled.step(larger(y), issued<S>(VecN<double>(u * (mass / (time * time)))));
+    const Estimate<S> x = advance(observer, y, issued<S>(u));
+    const Estimate<S> z = advance(scaled, larger(y), issued<S>(VecN<double>(u * (mass / (time * time)))));
     // unrest is forgotten in seconds, not in samples: it shows after an opening, and little
     EXPECT_LT(static_cast<double>((x.effectiveness - z.effectiveness).cwiseAbs().maxCoeff()), k < 100 ? 1e-5 : 1e-2)
         << k;
@@ -524,7 +531,7 @@ TYPED_TEST(JointKalmanOf, TheCovarianceStaysPositive) {
     if (k % 1000 > 980) y.rate_valid = y.momentum_valid = false;
     if (random.uniform(0, 1) < 0.0005) ++event;
     y.event = event;
-    const Estimate<S> x = observer.skip(y, issued<S>(u));
+    const Estimate<S> x = advance(observer, y, issued<S>(u));
     ASSERT_TRUE(x.effectiveness.allFinite() && x.d_B.allFinite()) << k;
     for (int j = 0; j < observer.covariance().size(); ++j) ASSERT_GT(observer.covariance().variance(j), S(0)) << k;
     if (k % 97 == 0) least = std::min(least, smallest_correlation(observer));
@@ -563,7 +570,7 @@ TYPED_TEST(JointKalmanOf, OneChannelAloneStillTeaches) {
         (rate_fails ? y.rate_valid : y.momentum_valid) =
             false;  // the numbers are the truth carried on: nothing to learn from
       }
-      x = fails || k == 101 || k == 301 ? observer.skip(y, issued<S>(u)) : observer.step(y, issued<S>(u));
+      x = advance(observer, y, issued<S>(u));
       ASSERT_TRUE(x.effectiveness.allFinite() && x.d_B.allFinite()) << k;
       // Its momentum tells on a wheel in full; the rates see the body change its answer, whoever it was.
       if (k == 250 && rate_fails) EXPECT_NEAR(static_cast<double>(x.effectiveness[2]), 0.3, 0.02);
@@ -598,7 +605,7 @@ TYPED_TEST(JointKalmanOf, AJumpOfTheStateTeachesNothing) {
     }
     Measurement<S> y = plant.measured<S>(static_cast<Tick>(k), random, 1e-5, 1e-5);
     y.event = k >= 200 ? 1 : 0;
-    const Estimate<S> x = k == 200 ? observer.skip(y, issued<S>(u)) : observer.step(y, issued<S>(u));
+    const Estimate<S> x = advance(observer, y, issued<S>(u));
     if (k > 50) EXPECT_NEAR(static_cast<double>(x.effectiveness[1]), 0.5, 0.03) << k;
   }
   EXPECT_EQ(observer.openings(), before);
@@ -618,7 +625,7 @@ TYPED_TEST(JointKalmanOf, ACommandBeyondSenseTeachesNothing) {
     Allocation<S> last = issued<S>(u);
     if (k == 60) last.u.setConstant(S(1e12));
     const Measurement<S> y = plant.measured<S>(static_cast<Tick>(k), random, 1e-5, 1e-5);
-    const Estimate<S> x = k == 60 ? observer.skip(y, last) : observer.step(y, last);
+    const Estimate<S> x = advance(observer, y, last);
     EXPECT_GT(x.effectiveness.minCoeff(), S(0.95)) << k;
     EXPECT_LT(x.d_B.norm(), S(0.02)) << k;
   }

@@ -291,6 +291,36 @@ TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToI
   for (const double rho_i : left) EXPECT_EQ(rho_i, 0);
 }
 
+/// A body lighter than known answers more than told: 1 is issued, the rest is a torque; or it is lost, as printed.
+TEST(LearningEffectivenessDouble, WhatTheIssuedEffectivenessLeavesOverIsInTheDisturbance) {
+  const auto setup = ftc_4rw<double>();
+  for (const bool hand_on : {true, false}) {
+    LearningEffectiveness<double>::Params p(setup);
+    p.hand_on = hand_on;
+    LearningEffectiveness<double> observer(unchecked, setup, p);
+    Body body(setup.vehicle);
+    body.J_B /= 1.1;
+    body.effectiveness[3] = 0.01;  // below what is issued
+    Estimate<double> x;
+    VecN<double> u;
+    watch(observer, body, 0.01, 6000, exciting, [&](int, const Estimate<double>& now, const auto& last) {
+      x = now;
+      u = last.u;
+    });
+    const VecN<double> lost = x.effectiveness - VecN<double>::Ones(4);
+    EXPECT_EQ(x.effectiveness.head(3), Vec3<double>::Ones());
+    EXPECT_EQ(x.effectiveness[3], p.e_min);
+    // J_known w' is 1.1 times what is delivered, less what was told.
+    const Vec3<double> acts = 1.1 * (setup.vehicle.D_B * body.effectiveness.cwiseProduct(u)) - setup.vehicle.D_B * u;
+    const double missed = (setup.vehicle.D_B * lost.cwiseProduct(u) + x.d_B - acts).norm();
+    if (hand_on) EXPECT_LT(missed, 2e-3);
+    if (!hand_on) {
+      EXPECT_EQ(x.d_B, Vec3<double>::Zero());
+      EXPECT_GT(missed, 1e-2);
+    }
+  }
+}
+
 TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
   Held at;
   AdaptiveSlidingMode<double>::Params p(at.setup);
@@ -307,6 +337,7 @@ TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
   EXPECT_NEAR(x.effectiveness[0], 1 - h * 100 * 2 * 1e-3, 1e-12);
   EXPECT_NEAR(x.effectiveness[1], 1 - h * 100 * 2 * 1e-3, 1e-12);
   EXPECT_EQ(x.effectiveness[2], 1.0) << "no better than healthy";
+  EXPECT_NEAR(x.d_B[2], h * 100 * 3 * 1e-3 * 3, 1e-12) << "and the rest is a torque: D is one there";
   EXPECT_EQ(observer.start(at.y).effectiveness, VecN<double>::Ones(3));
 }
 

@@ -18,6 +18,7 @@
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/flight/chart.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
+#include "gyrostat/flight/issued_effectiveness.hpp"
 #include "gyrostat/flight/observers/covariance.hpp"
 #include "gyrostat/flight/observers/innovation_gate.hpp"
 #include "gyrostat/flight/observers/noise_meter.hpp"
@@ -410,11 +411,11 @@ class JointKalman {
   Estimate<S> estimate(const Measurement<S>& y) const noexcept {
     Estimate<S> out = Estimate<S>::healthy(y);
     out.d_B = x_.template tail<3>();
+    issue_effectiveness<S>(out, x_.segment(e(0), n_), params_.e_min, S(1), vehicle_.D_B, u_);
     for (int i = 0, k = 0; i < n_; ++i) {
       const bool wheel = wheels_.test(i);
-      const S issued = std::clamp(x_[e(i)], params_.e_min, S(1));
-      out.effectiveness[i] = issued;
-      out.d_B += vehicle_.D_B.col(i) * ((x_[e(i)] - issued) * u_[i] + (wheel ? x_[b(k++)] : S(0)));
+      const S issued = out.effectiveness[i];
+      if (wheel) out.d_B += vehicle_.D_B.col(i) * x_[b(k++)];
       const S spread = S(2.5) * std::sqrt(P_.variance(e(i)));
       const S half = wheel ? spread + S(0.005) : S(1.6) * spread + params_.inertia_error * issued;
       if (half <= params_.unknown_above) out.effectiveness_bound[i] = half / issued;
