@@ -12,9 +12,10 @@
 
 namespace gyrostat {
 
-/// What observers of effectiveness believe at most, beyond what they issue: a body whose inertia is a fifth below nominal.
+/// What observers of effectiveness believe at most, beyond what they issue: a body whose inertia is an eighth below nominal. Less
+/// than detectors take for a change.
 template <class S>
-inline constexpr S effectiveness_headroom = S(0.25);
+inline constexpr S effectiveness_headroom = S(0.15);
 
 /// @param e  as believed   @param u  N m, of the interval just ended
 template <class S>

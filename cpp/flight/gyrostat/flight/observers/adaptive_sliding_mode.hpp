@@ -2,7 +2,7 @@
 /// @file  Adaptive sliding-mode observer of actuator effectiveness: gradient adaptation beside a switching correction.
 ///
 ///   J what' = -what x (J what + D h_w) + D diag(u) e + L w~ + rho sgn(w~),   w~ = w - what
-///   rho'    = k_rho |w~| where |w~| > dead_zone, at most rho_max;   e' = Proj[ gamma diag(u) D' w~ ] onto [0, 1.25]
+///   rho'    = k_rho |w~| where |w~| > dead_zone, at most rho_max;   e' = Proj[ gamma diag(u) D' w~ ] onto [0, 1.15]
 ///   issued: clipped to [e_min, 1], the rest in d_B
 ///
 /// The standard form; it stands in for the observer that Cao, Gong, Han 2022 compare with and give no equations of.

@@ -159,7 +159,9 @@ class JointKalman {
   std::uint32_t openings() const noexcept { return openings_; }
 
  private:
-  using Matrix = typename StateCovariance::Matrix;
+  static constexpr int most_moving = 3 + max_actuators, most_driving = 3 + 2 * max_actuators;
+  using Moving = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, most_moving, 1>;    ///< of w, h
+  using Driving = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, most_driving, 1>;  ///< of e, b, d
 
   /// Largest command of each actuator, N m; where flight knows none, what makes the usable torque.
   static VecN<S> largest_commands(const Vehicle<S>& vehicle) noexcept {
@@ -216,8 +218,8 @@ class JointKalman {
 
   /// What e, b and d in `v` do to w and h in one interval: the upper right block of F, times v.
   template <class V>
-  Vector driven(const V& v, const VecN<S>& u) const noexcept {
-    Vector out(moving());
+  Moving driven(const V& v, const VecN<S>& u) const noexcept {
+    Moving out(moving());
     Vec3<S> torque_B = v.template tail<3>();
     for (int i = 0, k = 0; i < n_; ++i) {
       S delivered = v[i] * u[i];
@@ -254,11 +256,12 @@ class JointKalman {
     x_.head(m) += driven(x_.tail(s), u);
     x_.template head<3>() -= S(0.5) * (dt_J_inv_ * (gyroscopic(omega_, h_w_) + gyroscopic(y.omega_BN_B, y.h_w)));
 
-    const Matrix P_ss = P_.lower().bottomRightCorner(s, s).template selfadjointView<Eigen::Lower>();
-    Matrix step(s, m);  // P_ss A'
-    Eigen::Matrix<S, Eigen::Dynamic, 3, 0, most_states, 3> torque_B = P_ss.template rightCols<3>();
+    const Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, 0, most_driving, most_driving> P_ss =
+        P_.lower().bottomRightCorner(s, s).template selfadjointView<Eigen::Lower>();
+    Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, 0, most_driving, most_moving> step(s, m);  // P_ss A'
+    Eigen::Matrix<S, Eigen::Dynamic, 3, 0, most_driving, 3> torque_B = P_ss.template rightCols<3>();
     for (int i = 0, k = 0; i < n_; ++i) {
-      Vector delivered = u[i] * P_ss.col(i);
+      Driving delivered = u[i] * P_ss.col(i);
       if (wheels_.test(i)) {
         delivered += P_ss.col(n_ + k);
         step.col(h(k++)) = -dt_ * delivered;
@@ -267,8 +270,8 @@ class JointKalman {
     }
     step.template leftCols<3>() = torque_B.lazyProduct(dt_J_inv_.transpose());
     for (int c = 0; c < m; ++c) {
-      const Vector half = P_.lower().col(c).tail(s) + S(0.5) * step.col(c);
-      const Vector moved = driven(half, u);
+      const Driving half = P_.lower().col(c).tail(s) + S(0.5) * step.col(c);
+      const Moving moved = driven(half, u);
       for (int r = 0; r < m; ++r) P_.lower()(std::max(r, c), std::min(r, c)) += r == c ? S(2) * moved[r] : moved[r];
     }
     P_.lower().block(m, 0, s, m) += step;

@@ -3,7 +3,7 @@
 ///
 ///   J what' = -what x (J what + D h_w) + D diag(u) e + inj,   inj = M w~ + n sgn(w~),   w~ = w - what
 ///   r[k]    = J (w~[k] - w~[k-1]) / dt + inj[k-1]                    = V e~ + d,  V = D diag(u[k-1])
-///   e      += kappa V' (V V' + u0^2 I)^-1 r,   inside [0, 1.25];   actuators with |u| <= u_exc hold theirs
+///   e      += kappa V' (V V' + u0^2 I)^-1 r,   inside [0, 1.15];   actuators with |u| <= u_exc hold theirs
 ///   issued: clipped to [e_min, 1], the rest in d_B
 ///
 /// Source: Cao, Gong, Han 2022, eq. (7)-(8), with l = 1, H1 = -H2 along the regressor and the known injection added back; for
