@@ -363,7 +363,8 @@ struct LearningWrittenOut {
     const Eigen::Vector4d change = Phi.transpose() * normal.inverse() * lesson;
     VecN<double> now = e.back();
     for (int i = 0; i < 4; ++i)
-      if (informative.test(i)) now[i] = std::clamp(p.k3 * e[before][i] + change[i], 0.0, p.e_max + effectiveness_headroom<double>);
+      if (informative.test(i))
+        now[i] = std::clamp(p.k3 * e[before][i] + change[i], 0.0, p.e_max + effectiveness_headroom<double>);
     e.push_back(now);
     seen = seen | informative;
   }
