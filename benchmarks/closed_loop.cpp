@@ -17,6 +17,7 @@
 #include "gyrostat/flight/detectors/threshold.hpp"
 #include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
+#include "gyrostat/flight/observers/joint_kalman.hpp"
 #include "gyrostat/flight/observers/learning_disturbance.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness.hpp"
 #include "gyrostat/flight/observers/mixed_learning.hpp"
@@ -63,6 +64,9 @@ auto static_wang2023(const Assembly& a) {
 auto static_cao2023(const Assembly& a) {
   return static_stack<LearningDisturbanceObserver<double>, NoDetector<double>, PreassignedTimeSlidingMode<double>,
                       PseudoInverse<double>>(a);
+}
+auto static_joint(const Assembly& a) {
+  return static_stack<JointKalman<double>, NoDetector<double>, IntegralSlidingMode<double>, PseudoInverse<double>>(a);
 }
 auto static_yang2023(const Assembly& a) {
   return static_stack<AdaptiveIterativeLearningObserver<double>, ThresholdDetector<double>,
@@ -119,6 +123,7 @@ const auto make_static_li2018 = [](const Assembly& a) { return static_li2018(a);
 const auto make_static_cao2022 = [](const Assembly& a) { return static_cao2022(a); };
 const auto make_static_wang2023 = [](const Assembly& a) { return static_wang2023(a); };
 const auto make_static_cao2023 = [](const Assembly& a) { return static_cao2023(a); };
+const auto make_static_joint = [](const Assembly& a) { return static_joint(a); };
 const auto make_static_yang2023 = [](const Assembly& a) { return static_yang2023(a); };
 
 BENCHMARK_CAPTURE(flight_step, ftc_4rw / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
@@ -139,6 +144,8 @@ BENCHMARK_CAPTURE(flight_step, cao2023_body / static, cao2023("body"), make_stat
 BENCHMARK_CAPTURE(flight_step, yang2023 / erased, yang2023_slew(40), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, yang2023 / static, yang2023_slew(40), make_static_yang2023)
     ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, joint / erased, joint(), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, joint / static, joint(), make_static_joint)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4 / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4 / static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_cvode / erased, ftc_4rw("cvode"), make_erased)->Unit(benchmark::kMillisecond);

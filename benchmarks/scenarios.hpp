@@ -34,6 +34,16 @@ inline Table ftc_4rw(const char* integrator) {
           {"integrator", Table{{"type", integrator}}}};
 }
 
+/// FTC-4RW with the joint filter and the integral law, a wheel at 40 % from 50 s.
+inline Table joint() {
+  Table out = ftc_4rw("rk4");
+  out.set("observer", Table{{"type", "joint_kalman"}});
+  out.set("controller", Table{{"type", "integral_sliding_mode"}});
+  out.set("faults",
+          List{Table{{"type", "loss_of_effectiveness"}, {"actuator", 2}, {"t_on", 50.0}, {"remaining", 0.4}}});
+  return out;
+}
+
 /// Li et al. 2018, Table 1: degraded wheels, disturbance observer and integral sliding mode, at 1 kHz.
 inline Table li2018_table1(double duration) {
   const double s = 1 / std::numbers::sqrt3, half_pi = std::numbers::pi / 2;

@@ -363,7 +363,8 @@ struct LearningWrittenOut {
     const Eigen::Vector4d change = Phi.transpose() * normal.inverse() * lesson;
     VecN<double> now = e.back();
     for (int i = 0; i < 4; ++i)
-      if (informative.test(i)) now[i] = std::clamp(p.k3 * e[before][i] + change[i], p.e_min, p.e_max);
+      if (informative.test(i))
+        now[i] = std::clamp(p.k3 * e[before][i] + change[i], 0.0, p.e_max + effectiveness_headroom<double>);
     e.push_back(now);
     seen = seen | informative;
   }
@@ -385,7 +386,7 @@ TEST(AdaptiveIterativeLearning, IsTheEquationsOfItsPageGainsIncluded) {
   LearningWrittenOut written{setup, p};
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1, 1);
-  int capped = 0, returning = 0;
+  int capped = 0, returning = 0, handed_on = 0;
   for (int start = 0; start < 2; ++start) {
     Body body(setup.vehicle);
     body.omega_BN_B = {0.3, -0.2, 0.1};
@@ -408,7 +409,11 @@ TEST(AdaptiveIterativeLearning, IsTheEquationsOfItsPageGainsIncluded) {
       ASSERT_NEAR(gains[0], written.k1, 1e-9 * p.k1_max) << k;
       ASSERT_NEAR(gains[1], written.k2, 1e-9 * p.k2_max) << k;
       ASSERT_NEAR(gains[2], written.k4, 1e-9 * p.k4_max) << k;
-      ASSERT_LT((x.effectiveness - written.e.back()).cwiseAbs().maxCoeff(), 1e-9) << k;
+      const VecN<double> issued_e = written.e.back().cwiseMax(p.e_min).cwiseMin(p.e_max);
+      const VecN<double> rest = (written.e.back() - issued_e).cwiseProduct(last.u);
+      handed_on += rest.cwiseAbs().maxCoeff() > 1e-3 ? 1 : 0;
+      ASSERT_LT((x.effectiveness - issued_e).cwiseAbs().maxCoeff(), 1e-9) << k;
+      ASSERT_LT((x.d_B - setup.vehicle.D_B * rest).norm(), 1e-9) << k;
       for (int i = 0; i < 4; ++i) EXPECT_EQ(std::isfinite(x.effectiveness_bound[i]), written.seen.test(i)) << k;
       capped += written.k1 == p.k1_max ? 1 : 0;
       returning += written.k1 < p.k1_max && written.error.back().norm() <= p.deadzone ? 1 : 0;
@@ -416,6 +421,7 @@ TEST(AdaptiveIterativeLearning, IsTheEquationsOfItsPageGainsIncluded) {
   }
   EXPECT_GT(capped, 20);
   EXPECT_GT(returning, 100);
+  EXPECT_GT(handed_on, 100);
 }
 
 TEST(AdaptiveIterativeLearning, RefusesBothEndsOfItsGainsWhereTheyAreUnstable) {

@@ -291,6 +291,34 @@ TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToI
   for (const double rho_i : left) EXPECT_EQ(rho_i, 0);
 }
 
+/// A body lighter than known answers more than told: 1 is issued, the rest is a torque; or it is lost, as printed.
+TEST(LearningEffectivenessDouble, WhatTheIssuedEffectivenessLeavesOverIsInTheDisturbance) {
+  const auto setup = ftc_4rw<double>();
+  for (const bool hand_on : {true, false}) {
+    LearningEffectiveness<double>::Params p(setup);
+    p.hand_on = hand_on;
+    LearningEffectiveness<double> observer(unchecked, setup, p);
+    Body body(setup.vehicle);
+    body.J_B /= 1.1;
+    body.effectiveness[3] = 0.01;  // below what is issued
+    Estimate<double> x;
+    VecN<double> u;
+    watch(observer, body, 0.01, 6000, exciting, [&](int, const Estimate<double>& now, const auto& last) {
+      x = now;
+      u = last.u;
+    });
+    const VecN<double> lost = x.effectiveness - VecN<double>::Ones(4);
+    EXPECT_EQ(x.effectiveness.head(3), Vec3<double>::Ones());
+    EXPECT_LT(x.effectiveness[3], p.e_min + 0.02);
+    // J_known w' is 1.1 times what is delivered, less what was told.
+    const Vec3<double> acts = 1.1 * (setup.vehicle.D_B * body.effectiveness.cwiseProduct(u)) - setup.vehicle.D_B * u;
+    const double missed = (setup.vehicle.D_B * lost.cwiseProduct(u) + x.d_B - acts).norm();
+    EXPECT_EQ(x.d_B.isZero(0), !hand_on);
+    EXPECT_EQ(missed < 2e-3, hand_on) << missed;
+    EXPECT_EQ(missed > 5e-3, !hand_on) << missed;
+  }
+}
+
 TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
   Held at;
   AdaptiveSlidingMode<double>::Params p(at.setup);
@@ -307,6 +335,7 @@ TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
   EXPECT_NEAR(x.effectiveness[0], 1 - h * 100 * 2 * 1e-3, 1e-12);
   EXPECT_NEAR(x.effectiveness[1], 1 - h * 100 * 2 * 1e-3, 1e-12);
   EXPECT_EQ(x.effectiveness[2], 1.0) << "no better than healthy";
+  EXPECT_NEAR(x.d_B[2], h * 100 * 3 * 1e-3 * 3, 1e-12) << "and the rest is a torque: D is one there";
   EXPECT_EQ(observer.start(at.y).effectiveness, VecN<double>::Ones(3));
 }
 
@@ -409,16 +438,17 @@ struct WrittenOut {
       const Eigen::Matrix3d normal = V * V.transpose() + p.u0 * p.u0 * Eigen::Matrix3d::Identity();
       const Eigen::Matrix<double, 4, 3> K = p.kappa * V.transpose() * normal.inverse();
       for (int i = 0; i < 4; ++i)
-        if (std::abs(u[i]) > p.u_exc) e[i] = std::clamp(e[i] + K.row(i).dot(r), p.e_min, 1.0);
+        if (std::abs(u[i]) > p.u_exc) e[i] = std::clamp(e[i] + K.row(i).dot(r), 0.0, 1.15);
       const Eigen::Matrix4d keep = Eigen::Matrix4d::Identity() - K * V;
       const double R = p.torque_error * p.torque_error * (2 - p.kappa) / p.kappa;
       P = keep * P * keep.transpose() + R * K * K.transpose();
     }
     for (int i = 0; i < 3; ++i) injection[i] = p.M[i] * error[i] + p.n * ((error[i] > 0) - (error[i] < 0));
   }
+  VecN<double> issued() const { return e.cwiseMax(p.e_min).cwiseMin(1.0); }
   double bound(int i) const {
     const double half = std::sqrt(2 * std::max(P(i, i), 0.0));
-    return half < p.unknown_above ? half / e[i] : std::numeric_limits<double>::infinity();
+    return half < p.unknown_above ? half / issued()[i] : std::numeric_limits<double>::infinity();
   }
 };
 
@@ -450,8 +480,10 @@ TEST(LearningEffectivenessDouble, IsTheEquationsOfItsPageBoundIncluded) {
       for (int i = 0; i < 4; ++i) y.h_w[i] = 0.02 * std::sin(0.05 * k + i);
       const Estimate<double> x = observer.step(y, last);
       written.step(y, last.u);
+      const VecN<double> rest = (written.e - written.issued()).cwiseProduct(last.u);
+      ASSERT_LT((x.d_B - setup.vehicle.D_B * rest).norm(), 1e-9) << k;
       for (int i = 0; i < 4; ++i) {
-        ASSERT_NEAR(x.effectiveness[i], written.e[i], 1e-9) << k;
+        ASSERT_NEAR(x.effectiveness[i], written.issued()[i], 1e-9) << k;
         if (std::abs(2 * written.P(i, i) - p.unknown_above * p.unknown_above) < 1e-9) continue;
         ASSERT_EQ(std::isinf(x.effectiveness_bound[i]), std::isinf(written.bound(i))) << k;
         if (std::isinf(written.bound(i))) continue;

@@ -37,6 +37,7 @@ Setup<double> paper_setup() {
 
 Observer::Params published_observer() {
   Observer::Params p(paper_setup());
+  p.hand_on = false;  // as printed: clipped, and the rest is lost
   p.k1_0 = 14, p.k1_max = 40, p.mu1 = 1e6;
   p.k4_0 = 0.49, p.k4_max = 4, p.mu4 = 1.35e5;
   p.deadzone = 7e-5, p.leak = 3;

@@ -6,6 +6,7 @@
 #include "gyrostat/flight/observers/adaptive_sliding_mode.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
 #include "gyrostat/flight/observers/iterative_learning.hpp"
+#include "gyrostat/flight/observers/joint_kalman.hpp"
 #include "gyrostat/flight/observers/learning_disturbance.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness_printed.hpp"
@@ -15,7 +16,7 @@
 namespace gyrostat {
 
 using Observers = Components<AdaptiveIterativeLearningObserver, AdaptiveSlidingMode, FiniteTimeDisturbanceObserver,
-                             IterativeLearningObserver, LearningDisturbanceObserver, LearningEffectiveness,
+                             IterativeLearningObserver, JointKalman, LearningDisturbanceObserver, LearningEffectiveness,
                              LearningEffectivenessPrinted, MixedLearningObserver, Passthrough>;
 
 }  // namespace gyrostat

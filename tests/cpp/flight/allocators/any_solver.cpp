@@ -45,6 +45,7 @@ class Solver : public AnySolver {
     p.residual_weight = S(posed.residual_weight);
     p.margin = S(posed.margin);
     p.max_newton = posed.max_newton;
+    p.try_unlimited = posed.try_unlimited;
     const typename Library::Solution s = library_.solve(p, state_);
     return {judged(D, weight, p),
             extended(s.command),

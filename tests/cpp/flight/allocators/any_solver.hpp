@@ -25,6 +25,7 @@ struct Posed {
   double residual_weight = 1e4, margin = 0;
   std::vector<int> priority;
   int max_newton = 200;
+  bool try_unlimited = true;
 
   std::size_t rows() const { return D.size(); }
   std::size_t actuators() const { return D[0].size(); }

@@ -90,6 +90,44 @@ TEST_P(AllocationLaws, InsideTheLimitsItIsTheWeightedPseudoInverse) {
   }
 }
 
+/// The solution without limits, where it is inside them, against the solver that does not look for it: cold, and along a walk.
+TEST_P(AllocationLaws, TheShortWayInsideTheLimitsEndsWhereTheLongOneDoes) {
+  const double rounding =
+      single() ? 2e-4 : 1e-11;  // relative to the limits; directions that hardly act lose more digits
+  const std::unique_ptr<AnySolver> other = GetParam().solver();
+  int inside = 0, limited = 0;
+  for (const AllocationMode mode :
+       {AllocationMode::lexicographic, AllocationMode::lexicographic_scaled, AllocationMode::weighted_least_squares}) {
+    for (int k = 0; k < 200; ++k) {
+      Posed p = random_problem(random, rows(), 9);
+      p.mode = mode;
+      if (k % 3 == 0) p.lo[4] = p.up[4] = k % 2 == 0 ? 0 : 0.05;  // held, or off
+      const double size = k % 2 == 0 ? random.uniform(0, 0.3) : 1;
+      for (double& d : p.demand) d *= size;
+      Posed longer = p;
+      longer.try_unlimited = false;
+      solver->reset();
+      other->reset();
+      for (int step = 0; step < 4; ++step) {
+        const Outcome a = solver->solve(p), b = other->solve(longer);
+        const Eigen::VectorXd u = eigen(a.command), v = eigen(b.command);
+        ASSERT_LE((u - v).cwiseAbs().maxCoeff(), command) << k;
+        EXPECT_LE(std::abs(double(a.residual_norm - b.residual_norm)), rounding) << k;
+        EXPECT_EQ(a.status, b.status) << k;
+        EXPECT_GE(a.gap, 0) << k;
+        EXPECT_LE(double(a.gap), double(b.gap) + rounding * (1e-3 + double(b.primal))) << k;
+        (a.saturated == 0 && a.newton == 1 ? inside : limited) += 1;
+        for (std::size_t r = 0; r < rows(); ++r) {
+          p.demand[r] *= 1 + random.uniform(-0.3, 0.3);
+          longer.demand[r] = p.demand[r];
+        }
+      }
+    }
+  }
+  EXPECT_GT(inside, 400);
+  EXPECT_GT(limited, 400);
+}
+
 TEST_P(AllocationLaws, WithoutLimitsItIsTheWeightedPseudoInverseToo) {
   Posed p = random_problem(random, rows(), 8);
   p.effectiveness.assign(8, 0.7);

@@ -65,6 +65,9 @@ struct AllocationProblem {
   /// Less than this is treated as failed: the closest torque would saturate such an actuator for nothing.
   S effectiveness_min = sizeof(S) < 8 ? S(1e-2) : S(1e-3);
   int max_newton = 200;  ///< limit of all Newton steps together
+  /// First see whether the solution without limits is inside them: where it is, it is the solution. Not for robust_socp, whose
+  /// worst case is not quadratic.
+  bool try_unlimited = true;
 
   /// n healthy actuators of known effectiveness within +- `limit`, preferring zero, equal weights.
   static AllocationProblem symmetric(int n, S limit) noexcept {

@@ -50,17 +50,18 @@ class AllocationSolver {
     bool capped = false;
     switch (p.mode) {
       case AllocationMode::lexicographic:
-        closest = by_priority(p, start, out);
+        closest = by_priority(p, start, within(p, state), out);
         capped = closest.capped;
         break;
       case AllocationMode::lexicographic_scaled:
-        closest = along_demand(p, start, out);
+        closest = along_demand(p, start, within(p, state), out);
         capped = closest.capped;
         break;
       case AllocationMode::weighted_least_squares:
         kernel_.R = Eigen::Matrix<S, M, M>::Identity() / residual_weight_;
         kernel_.centre.setZero();
-        capped = kernel_.solve(start, std::min(p.max_newton, 60)) == NewtonOutcome::capped;
+        capped = !(within(p, state) && kernel_.solve_unlimited()) &&
+                 kernel_.solve(start, std::min(p.max_newton, 60)) == NewtonOutcome::capped;
         break;
       case AllocationMode::robust_socp:
         theta = robust(p, start, state, out, capped);
@@ -205,11 +206,20 @@ class AllocationSolver {
     return y.allFinite() && y.cwiseAbs().maxCoeff() <= largest ? y : Torque::Zero();
   }
 
+  /// Whether limits may well not matter: the command before was at none, or there was none.
+  bool within(const Problem& p, const State& state) const noexcept {
+    if (!p.try_unlimited) return false;
+    bool inside = true;
+    for (Eigen::Index i = 0; i < state.command.size() && i < p.lo.size(); ++i)
+      inside &= ((state.command[i] > p.lo[i]) & (state.command[i] < p.up[i])) | (p.lo[i] == p.up[i]);
+    return inside;
+  }
+
   /// Rows of the smallest priority number first; what they achieve is then held while the next come as close as they can.
-  Closest by_priority(const Problem& p, const Torque& start, Solution& out) noexcept {
+  Closest by_priority(const Problem& p, const Torque& start, bool within, Solution& out) noexcept {
     const auto [first, last] = std::minmax_element(p.priority.begin(), p.priority.end());
     if (*first == *last) {
-      const Closest closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(start);
+      const Closest closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(start, within);
       out.outer = closest.rounds + 1;
       return closest;
     }
@@ -260,7 +270,7 @@ class AllocationSolver {
 
   /// The largest s in [0, 1] with s b attainable, by cuts: a direction v that separates s b from the attainable set proves
   /// s <= support(v) / v'b, and the next attempt is made there. Each cut is a face, so there are finitely many.
-  Closest along_demand(const Problem& p, const Torque& start, Solution& out) noexcept {
+  Closest along_demand(const Problem& p, const Torque& start, bool within, Solution& out) noexcept {
     const Torque b = kernel_.b;
     S s = S(1);
     Torque cut = Torque::Zero();
@@ -268,7 +278,7 @@ class AllocationSolver {
     bool lost = false;
     for (int k = 0; k < 40; ++k) {
       kernel_.b = s * b;
-      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(start);
+      closest = ClosestTorqueSolve<S, M, N>(kernel_, size_, p.max_newton).from(start, within && k == 0);
       out.outer += closest.rounds + 1;
       if (closest.attained || closest.capped || !proven_out_of_reach(closest)) break;
       const S slope = closest.direction.dot(b);

@@ -56,14 +56,15 @@ class ClosestTorqueSolve {
                      const Eigen::Matrix<S, M, M>& settled = Eigen::Matrix<S, M, M>::Zero()) noexcept
       : k(kernel), size_(size), cap_(cap), held_(held), settled_(settled) {}
 
-  Result from(const Torque& start) noexcept {
+  /// @param within  try first whether the limits matter at all
+  Result from(const Torque& start, bool within = false) noexcept {
     Result out;
     S trace = S(0);
     for (int i = 0; i < k.n; ++i) trace += k.compliance[std::size_t(i)] * k.a[std::size_t(i)].squaredNorm();
     S delta = (single ? S(1e-3) : S(1e-6)) * (trace > S(0) ? trace / S(M) : S(1));
     Torque y = start;
     for (; out.rounds < 10; ++out.rounds) {
-      if (exactly(y)) {
+      if (exactly(y, within && out.rounds == 0)) {
         keep_current(out);
         out.attained = true;
         out.excess = S(0);
@@ -90,9 +91,10 @@ class ClosestTorqueSolve {
   int budget() const noexcept { return std::min(cap_, k.steps + 60); }
 
   /// R = 0: succeeds when the demand is attained.
-  bool exactly(const Torque& y) noexcept {
+  bool exactly(const Torque& y, bool within) noexcept {
     k.R = settled_;
     k.centre.setZero();
+    if (within && k.solve_unlimited()) return true;
     const NewtonOutcome outcome = k.solve(y, budget(), /*stop_at_singular=*/true);
     return outcome == NewtonOutcome::converged ||
            (outcome == NewtonOutcome::floor && k.F().norm() <= S(10) * excess_tolerance());

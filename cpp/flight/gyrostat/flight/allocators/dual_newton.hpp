@@ -68,6 +68,47 @@ class DualNewton {
     }
   }
 
+  /// The solution as if there were no limits, but for actuators that these hold at one number: one linear system, no start.
+  /// False where it breaks a limit, or where the actuators do not span the torque space; then nothing is settled.
+  bool solve_unlimited() noexcept {
+    Point& p = now();
+    std::uint32_t fixed = 0;
+    Torque g = b + R * centre;
+    p.J = R;
+    for (int i = 0; i < n; ++i) {
+      const size_t k = size_t(i);
+      const bool still = lo[k] == up[k];
+      fixed |= static_cast<std::uint32_t>(still) << i;
+      const S rest = still ? lo[k] : preferred[k], weight = still ? S(0) : compliance[k];
+      GYROSTAT_UNROLL
+      for (int c = 0; c < M; ++c) {
+        g[c] -= rest * a[k][c];
+        const S weighted = weight * a[k][c];
+        GYROSTAT_UNROLL
+        for (int r = c; r < M; ++r) p.J(r, c) += weighted * a[k][r];
+      }
+    }
+    p.below = p.above = fixed;
+    if (!factor() || cancels_) return false;
+    p.y = solve_factored(g);
+    p.F = R * (p.y - centre) - b;
+    bool inside = true;
+    for (int i = 0; i < n; ++i) {
+      const size_t k = size_t(i);
+      S along = S(0);
+      GYROSTAT_UNROLL
+      for (int r = 0; r < M; ++r) along += a[k][r] * p.y[r];
+      const bool still = (fixed >> i & 1u) != 0u;
+      const S z = still ? lo[k] : preferred[k] + along * compliance[k];
+      inside &= still | ((z > lo[k]) & (z < up[k]));
+      p.z[k] = z;
+      p.F += z * a[k];
+    }
+    if (!inside || largest(p.F) > tolerance) return false;
+    ++steps;
+    return true;
+  }
+
   const Torque& y() const noexcept { return points_[current_].y; }
   const Torque& F() const noexcept { return points_[current_].F; }
   /// Allocation at the current point: clipped, so inside the box without exception.

@@ -18,7 +18,7 @@ class AdaptiveIterativeLearningObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "adaptive_iterative_learning";
-  static constexpr Estimates estimates{.effectiveness = true};
+  static constexpr Estimates estimates{.d_B = true, .effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< gain laws
 
@@ -100,8 +100,8 @@ class AdaptiveIterativeLearningObserver {
   }
 
   /// Nothing is learned.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
-    learning_.skip(y);
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    learning_.skip(y, last);
     return learning_.estimate(y);
   }
 

@@ -2,7 +2,8 @@
 /// @file  Adaptive sliding-mode observer of actuator effectiveness: gradient adaptation beside a switching correction.
 ///
 ///   J what' = -what x (J what + D h_w) + D diag(u) e + L w~ + rho sgn(w~),   w~ = w - what
-///   rho'    = k_rho |w~| where |w~| > dead_zone, at most rho_max;   e' = Proj[ gamma diag(u) D' w~ ] onto [e_min, 1]
+///   rho'    = k_rho |w~| where |w~| > dead_zone, at most rho_max;   e' = Proj[ gamma diag(u) D' w~ ] onto [0, 1.15]
+///   issued: clipped to [e_min, 1], the rest in d_B
 ///
 /// The standard form; it stands in for the observer that Cao, Gong, Han 2022 compare with and give no equations of.
 /// Page: docs/components/adaptive_sliding_mode.md
@@ -14,6 +15,7 @@
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/chart.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
+#include "gyrostat/flight/issued_effectiveness.hpp"
 #include "gyrostat/flight/observers/rate_predictor.hpp"
 #include "gyrostat/flight/stiffness.hpp"
 
@@ -24,7 +26,7 @@ class AdaptiveSlidingMode {
  public:
   using Scalar = S;
   static constexpr const char* name = "adaptive_sliding_mode";
-  static constexpr Estimates estimates{.effectiveness = true};
+  static constexpr Estimates estimates{.d_B = true, .effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;
 
@@ -35,6 +37,7 @@ class AdaptiveSlidingMode {
     S rho_max;
     S dead_zone;
     S e_min = default_effectiveness_floor<S>;
+    bool hand_on = true;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.gamma, Field{"gamma", "1/(N m rad)", 0, 1e12, "rate of adaptation"});
@@ -44,6 +47,7 @@ class AdaptiveSlidingMode {
       field(p.dead_zone, Field{"dead_zone", "rad/s", 0, 1e3, "rate errors up to this leave the switching gain alone"});
       field(p.e_min, Field{"e_min", "", 0, 1,
                            "smallest estimate; no less than the e_min of the allocator, or it would stay there"});
+      field(p.hand_on, Switch{"hand_on", "what the issued effectiveness leaves over goes into d_B; false: it is lost"});
     }
 
     /// L makes the rate error forget a tenth a period; gamma gives e the time constant of a hundred periods under a third of
@@ -89,7 +93,7 @@ class AdaptiveSlidingMode {
     predict_.start(y);
     rho_.setZero();
     effectiveness_.setOnes();
-    return estimate(y);
+    return estimate(y, VecN<S>::Zero(effectiveness_.size()));
   }
 
   /// Every later sample: Euler steps; the regressor is the command that acted over the interval just ended.
@@ -97,20 +101,21 @@ class AdaptiveSlidingMode {
     const Vec3<S>& error = predict_.step(y, effectiveness_, last.u);
     for (Eigen::Index i = 0; i < effectiveness_.size(); ++i) {
       const S e = effectiveness_[i] + dt_ * params_.gamma * last.u[i] * predict_.D_B().col(i).dot(error);
-      effectiveness_[i] = std::clamp(e, params_.e_min, S(1));
+      effectiveness_[i] =
+          params_.hand_on ? std::clamp(e, S(0), S(1) + effectiveness_headroom<S>) : std::clamp(e, params_.e_min, S(1));
     }
     for (int a = 0; a < 3; ++a) {
       const S size = std::abs(error[a]);
       if (size > params_.dead_zone) rho_[a] = std::min(rho_[a] + dt_ * params_.k_rho * size, params_.rho_max);
     }
     predict_.correct(params_.L.cwiseProduct(error) + rho_.cwiseProduct(sgn(error)));
-    return estimate(y);
+    return estimate(y, last.u);
   }
 
   /// Nothing is learned.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
     predict_.skip(y);
-    return estimate(y);
+    return estimate(y, last.u);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.
@@ -122,9 +127,9 @@ class AdaptiveSlidingMode {
   }
 
  private:
-  Estimate<S> estimate(const Measurement<S>& y) const noexcept {
+  Estimate<S> estimate(const Measurement<S>& y, const VecN<S>& u) const noexcept {
     Estimate<S> x = Estimate<S>::healthy(y);
-    x.effectiveness = effectiveness_;
+    issue_effectiveness<S>(x, effectiveness_, params_.e_min, S(1), predict_.D_B(), u);
     return x;
   }
 

@@ -16,6 +16,7 @@
 #include "gyrostat/flight/delay_line.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/effectiveness_regression.hpp"
+#include "gyrostat/flight/issued_effectiveness.hpp"
 #include "gyrostat/flight/schur.hpp"
 #include "gyrostat/flight/stiffness.hpp"
 
@@ -41,6 +42,7 @@ struct EffectivenessLearningParams {
   S e_max = S(1);
   S uncertainty = S(0.1);
   Mask frozen;
+  bool hand_on = true;
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.k3, Field{"k3", "", 0, 1, "memory of the effectiveness; below 1 it leaks and biases"});
@@ -54,6 +56,7 @@ struct EffectivenessLearningParams {
     field(p.uncertainty, Field{"uncertainty", "", 0, 1, "relative half-width claimed for an estimate once excited"});
     field(p.frozen,
           Field{"frozen", "", 0, max_actuators - 1, "actuators held at 1: more than three cannot be told apart"});
+    field(p.hand_on, Switch{"hand_on", "what the issued effectiveness leaves over goes into d_B; false: it is lost"});
   }
 
   /// The gate is a fifth of the usable torque; spares are held at one.
@@ -101,14 +104,16 @@ class EffectivenessLearning {
     turn(y);
     error_.setZero();
     e_.setOnes();
+    u_.setZero(vehicle_.actuators());
     seen_ = Mask{};
     past_e_.fill(e_);
     past_error_.fill(error_);
   }
 
   /// Over an interval that taught nothing: w~ stays, the predicted rate moves with the measured one.
-  void skip(const Measurement<S>& y) noexcept {
+  void skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
     omega_ = y.omega_BN_B - error_;
+    u_ = last.u;
     turn(y);
   }
 
@@ -125,6 +130,7 @@ class EffectivenessLearning {
     const auto rate = [&](const Vec3<S>& w) -> Vec3<S> { return J_inv_ * (tau_B - w.cross(vehicle_.J_B * w + h_w_B)); };
     const Vec3<S> middle = omega_ + dt_ / S(2) * rate(omega_);
     omega_ += dt_ * rate(middle);
+    u_ = last.u;
     error_ = y.omega_BN_B - omega_;
     return error_.norm();
   }
@@ -138,7 +144,9 @@ class EffectivenessLearning {
     for (int i = 0; i < vehicle_.actuators(); ++i) {
       if (!informative.test(i)) continue;
       const S e = params_.k3 * before[i] + change[i];
-      e_[i] = e < params_.e_min ? params_.e_min : (e > params_.e_max ? params_.e_max : e);
+      const S least = params_.hand_on ? S(0) : params_.e_min;
+      const S most = params_.hand_on ? params_.e_max + effectiveness_headroom<S> : params_.e_max;
+      e_[i] = e < least ? least : (e > most ? most : e);
     }
     seen_ = seen_ | informative;
     past_e_.push(e_);
@@ -147,7 +155,7 @@ class EffectivenessLearning {
 
   Estimate<S> estimate(const Measurement<S>& y) const noexcept {
     Estimate<S> x = Estimate<S>::healthy(y);
-    x.effectiveness = e_;
+    issue_effectiveness<S>(x, e_, params_.e_min, params_.e_max, vehicle_.D_B, u_);
     for (int i = 0; i < vehicle_.actuators(); ++i)
       if (seen_.test(i)) x.effectiveness_bound[i] = params_.uncertainty;
     return x;
@@ -168,8 +176,9 @@ class EffectivenessLearning {
   Vec3<S> omega_ = Vec3<S>::Zero();  ///< rad/s, what
   Vec3<S> error_ = Vec3<S>::Zero();  ///< rad/s, w~
   VecN<S> h_w_;                      ///< N m s, at the latest sample
-  VecN<S> e_;
-  Mask seen_;  ///< excited at least once
+  VecN<S> u_;                        ///< N m, of the interval just ended
+  VecN<S> e_;                        ///< as believed
+  Mask seen_;                        ///< excited at least once
   DelayLine<VecN<S>> past_e_;
   DelayLine<Vec3<S>> past_error_;
 };

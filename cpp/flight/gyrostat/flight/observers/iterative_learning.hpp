@@ -15,7 +15,7 @@ class IterativeLearningObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "iterative_learning";
-  static constexpr Estimates estimates{.effectiveness = true};
+  static constexpr Estimates estimates{.d_B = true, .effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< an actuator crosses its gate
 
@@ -58,8 +58,8 @@ class IterativeLearningObserver {
   }
 
   /// Nothing is learned.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
-    learning_.skip(y);
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    learning_.skip(y, last);
     return learning_.estimate(y);
   }
 

@@ -3,7 +3,8 @@
 ///
 ///   J what' = -what x (J what + D h_w) + D diag(u) e + inj,   inj = M w~ + n sgn(w~),   w~ = w - what
 ///   r[k]    = J (w~[k] - w~[k-1]) / dt + inj[k-1]                    = V e~ + d,  V = D diag(u[k-1])
-///   e      += kappa V' (V V' + u0^2 I)^-1 r,   clipped to [e_min, 1];   actuators with |u| <= u_exc hold theirs
+///   e      += kappa V' (V V' + u0^2 I)^-1 r,   inside [0, 1.15];   actuators with |u| <= u_exc hold theirs
+///   issued: clipped to [e_min, 1], the rest in d_B
 ///
 /// Source: Cao, Gong, Han 2022, eq. (7)-(8), with l = 1, H1 = -H2 along the regressor and the known injection added back; for
 /// three orthogonal actuators kappa u / (u^2 + u0^2) an axis. Page: docs/components/learning_effectiveness.md
@@ -17,19 +18,21 @@
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/chart.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
+#include "gyrostat/flight/issued_effectiveness.hpp"
 #include "gyrostat/flight/observers/effectiveness_confidence.hpp"
 #include "gyrostat/flight/observers/rate_predictor.hpp"
 #include "gyrostat/flight/stiffness.hpp"
 
 namespace gyrostat {
 
-/// Nothing is put into d_B: a torque that no command explains biases the estimate by |d| / |u|, which `torque_error` bounds.
+/// d_B holds what the issued effectiveness leaves over, no more: a torque that no command explains biases the estimate by
+/// |d| / |u|, which `torque_error` bounds.
 template <class S>
 class LearningEffectiveness {
  public:
   using Scalar = S;
   static constexpr const char* name = "learning_effectiveness";
-  static constexpr Estimates estimates{.effectiveness = true};
+  static constexpr Estimates estimates{.d_B = true, .effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< holds below u_exc, sign of w~ where n > 0
 
@@ -43,6 +46,7 @@ class LearningEffectiveness {
     S torque_error;
     S memory;
     S unknown_above = S(0.5);
+    bool hand_on = true;
 
     static constexpr void describe(auto& p, auto&& field) {
       constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -56,6 +60,7 @@ class LearningEffectiveness {
       field(p.torque_error, Field{"torque_error", "N m", 1e-12, 1e9, "bound of what no command explains"});
       field(p.memory, Field{"memory", "s", 1e-3, infinite, "after so long without excitation nothing is known"});
       field(p.unknown_above, Field{"unknown_above", "", 1e-3, 1, "half-width from which the bound is infinite"});
+      field(p.hand_on, Switch{"hand_on", "what the issued effectiveness leaves over goes into d_B; false: it is lost"});
     }
 
     /// Commands of 1.5 % of the usable torque are noise; what they hide is the torque error. The memory is a hundred time
@@ -92,7 +97,7 @@ class LearningEffectiveness {
     predict_.start(y);
     effectiveness_.setOnes();
     confidence_.start();
-    return estimate(y);
+    return estimate(y, VecN<S>::Zero(effectiveness_.size()));
   }
 
   /// Every later sample. The regressor is the command that acted over the interval just ended.
@@ -101,14 +106,14 @@ class LearningEffectiveness {
     const Vec3<S>& error = predict_.step(y, effectiveness_, last.u);
     learn(J_over_dt_ * (error - before) + predict_.injection_B(), last.u);
     predict_.correct(params_.M.cwiseProduct(error) + params_.n * sgn(error));
-    return estimate(y);
+    return estimate(y, last.u);
   }
 
   /// Nothing is learned, and with the time that passed something is forgotten.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
     predict_.skip(y);
     confidence_.grow();
-    return estimate(y);
+    return estimate(y, last.u);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.
@@ -141,17 +146,19 @@ class LearningEffectiveness {
       K_transposed.col(i) = params_.kappa * (inverse * V.col(i));
       if (std::abs(u[i]) <= params_.u_exc) continue;  // held to the bit
       const S moved = effectiveness_[i] + K_transposed.col(i).dot(residual_B);
-      effectiveness_[i] = std::clamp(moved, params_.e_min, S(1));
+      effectiveness_[i] = params_.hand_on ? std::clamp(moved, S(0), S(1) + effectiveness_headroom<S>)
+                                          : std::clamp(moved, params_.e_min, S(1));
     }
     confidence_.learn(K_transposed, V, (S(2) - params_.kappa) / params_.kappa);
   }
 
-  Estimate<S> estimate(const Measurement<S>& y) const noexcept {
+  Estimate<S> estimate(const Measurement<S>& y, const VecN<S>& u) const noexcept {
     Estimate<S> x = Estimate<S>::healthy(y);
-    x.effectiveness = effectiveness_;
+    issue_effectiveness<S>(x, effectiveness_, params_.e_min, S(1), predict_.D_B(), u);
     for (int i = 0; i < effectiveness_.size(); ++i) {
       const S half = confidence_.half_width(i);
-      if (half < params_.unknown_above && effectiveness_[i] > S(0)) x.effectiveness_bound[i] = half / effectiveness_[i];
+      if (half < params_.unknown_above && x.effectiveness[i] > S(0))
+        x.effectiveness_bound[i] = half / x.effectiveness[i];
     }
     return x;
   }

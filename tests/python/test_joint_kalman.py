@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: MIT
+"""`joint_kalman` in closed loop: faults that others saturate on or leave an offset behind, against stated errors.
+
+FTC-4RW at 10 Hz turns by 45 deg under a disturbance and noisy sensors, then holds.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gyrostat as gs
+from gyrostat import faults
+
+E_MIN = 0.05
+CHANNELS = ["error.angle", "truth.lumped_mean_B", "estimate.*", "allocation.u", "allocation.saturated"]
+
+
+def flight(*what: Any, inertia: float = 1.0, gyro: Any = None, attitude: float = 2e-5, **changes: Any) -> gs.Scenario:
+    """200 s with the faults `what`; the body has `inertia` times what flight knows."""
+    vehicle = gs.vehicle.ftc_4rw()
+    slow = gs.waveforms.Sine(amplitude=1e-3, omega=0.05)
+    base = gs.Scenario(
+        vehicle=vehicle,
+        truth=gs.vehicle.Truth(dJ_B=(inertia - 1.0) * np.asarray(vehicle.J_B)),
+        initial=gs.Initial(euler=(np.pi / 4, 0.0, 0.0)),
+        observer="joint_kalman",
+        controller="integral_sliding_mode",
+        allocator="lexicographic",
+        faults=what,
+        disturbances=[
+            gs.disturbances.Constant(torque_B=(2e-3, -1e-3, 1.5e-3)),
+            gs.disturbances.Periodic(torque_B=[slow] * 3),
+        ],
+        sensors=[gyro or gs.sensors.Gyro(noise=1e-5), gs.sensors.Attitude(noise=attitude)],
+        integrator="rk4",
+        duration=200.0,
+        dt=0.1,
+        seed=1,
+    )
+    return base.replace(**changes)
+
+
+def late_rms(flown: gs.Result) -> float:
+    """Pointing error over the last fifth, rms, deg."""
+    return float(np.degrees(np.sqrt(np.mean(flown["error.angle"][flown.t >= 160.0] ** 2))))
+
+
+def lumped_error(flown: gs.Result) -> float:
+    """What flight thinks acts beside the command, against what did: rms, share of the largest command."""
+    D = np.asarray(gs.vehicle.ftc_4rw().D_B)
+    lost = (flown["estimate.effectiveness"][1:] - 1.0) * flown["allocation.u"][:-1]
+    off = lost @ D.T + flown["estimate.d_B"][1:] - flown["truth.lumped_mean_B"][1:]
+    return float(np.sqrt(np.mean(np.sum(off**2, axis=1))) / 0.2)
+
+
+def saturated(flown: gs.Result) -> float:
+    return float(np.mean(flown["allocation.saturated"] != 0))
+
+
+def test_a_stuck_wheel_is_taken_out_without_saturation() -> None:
+    """The three others hold the attitude; the lumped observer asks the stuck one for what it cannot give."""
+    scenario = flight(faults.Stuck(actuator=2, t_on=50.0, torque=-0.07))
+    flown = scenario.run(channels=CHANNELS)
+    assert late_rms(flown) <= 0.0015
+    assert saturated(flown) == 0.0
+    assert flown["estimate.effectiveness"][-1, 2] == E_MIN
+    assert lumped_error(flown) <= 0.02
+    lumped = scenario.replace(observer="finite_time_disturbance").run(channels=CHANNELS)
+    assert saturated(lumped) > 0.5
+
+
+def test_a_light_body_from_rates_alone_leaves_no_offset() -> None:
+    """e = 1.05 is issued as 1, and the law has no integral: without the rest in d_B it would stand at 0.1 deg."""
+    flown = flight(
+        faults.LossOfEffectiveness(actuator=2, t_on=40.0, remaining=0.4),
+        inertia=0.9,
+        observer=gs.observer("joint_kalman", use_momentum=False),
+        controller="predefined_time",
+    ).run(channels=CHANNELS)
+    assert late_rms(flown) <= 0.0015
+    assert not np.isfinite(flown["estimate.effectiveness_bound"]).any()
+
+
+def test_a_weak_wheel_is_known_to_three_hundredths() -> None:
+    flown = flight(faults.LossOfEffectiveness(actuator=1, t_on=4.0, remaining=0.3)).run(channels=CHANNELS)
+    assert flown["estimate.effectiveness"][-1] == pytest.approx([1.0, 0.3, 1.0, 1.0], abs=0.03)
+    assert flown["estimate.effectiveness"][flown.t >= 8.0, 1] == pytest.approx(0.3, abs=0.1)
+    assert late_rms(flown) <= 0.0015
+
+
+def test_the_torque_that_a_wheel_adds_is_no_loss() -> None:
+    flown = flight(faults.Bias(actuator=0, t_on=60.0, torque=0.04)).run(channels=[*CHANNELS, "observer.bias"])
+    assert flown["estimate.effectiveness"][-1] == pytest.approx(np.ones(4), abs=0.03)
+    assert flown["observer.bias"][flown.t >= 62.0, 0] == pytest.approx(0.04, abs=0.004)
+    assert late_rms(flown) <= 0.0015
+
+
+def test_two_faults_of_two_wheels_are_two() -> None:
+    flown = flight(faults.Dead(actuator=3, t_on=5.0), faults.Bias(actuator=0, t_on=60.0, torque=0.02)).run(
+        channels=CHANNELS
+    )
+    assert flown["estimate.effectiveness"][-1, 3] == E_MIN
+    assert flown["estimate.effectiveness"][-1, :3] == pytest.approx(np.ones(3), abs=0.03)
+    assert late_rms(flown) <= 0.0015
+
+
+def test_a_wheel_that_comes_and_goes() -> None:
+    coming = faults.Intermittent(actuator=1, t_on=30.0, period=16.0, duty=0.5, remaining=0.0, torque=0.03)
+    scenario = flight(coming)
+    flown = scenario.run(channels=CHANNELS)
+    assert late_rms(flown) <= 0.007
+    assert late_rms(scenario.replace(observer="finite_time_disturbance").run(channels=CHANNELS)) > 0.010
+    assert np.delete(flown["estimate.effectiveness"][-1], 1) == pytest.approx(np.ones(3), abs=0.03)
+
+
+def test_a_heavy_body_and_a_late_noisy_gyro() -> None:
+    scenario = flight(
+        faults.Bias(actuator=3, t_on=20.0, torque=-0.05),
+        inertia=1.3,
+        gyro=gs.sensors.Gyro(noise=1e-4, delay=1),
+        attitude=3e-4,
+    )
+    flown = scenario.run(channels=CHANNELS)
+    assert lumped_error(flown) <= 0.035
+    assert late_rms(flown) <= 0.010
+    assert lumped_error(scenario.replace(observer="finite_time_disturbance").run(channels=CHANNELS)) > 0.10
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.01])
+def test_the_bound_holds_and_nothing_opens_on_a_healthy_flight(dt: float) -> None:
+    flown = flight(dt=dt).run(channels=[*CHANNELS, "observer.openings"])
+    bound = flown["estimate.effectiveness_bound"] * flown["estimate.effectiveness"]
+    finite = np.isfinite(bound)
+    assert finite[flown.t >= 2.0].mean() > 0.9
+    assert (np.abs(flown["estimate.effectiveness"] - 1.0) <= bound)[finite].all()
+    assert flown["observer.openings"][-1] == 0
+
+
+def test_the_bound_holds_through_faults() -> None:
+    """Over all wheels and samples; the second after a fault, in which nobody can know, included."""
+    flown = flight(
+        faults.LossOfEffectiveness(actuator=1, t_on=20.0, remaining=0.5),
+        faults.Dead(actuator=3, t_on=70.0),
+        duration=120.0,
+    ).run(channels=[*CHANNELS, "truth.effectiveness"])
+    bound = flown["estimate.effectiveness_bound"] * flown["estimate.effectiveness"]
+    finite = np.isfinite(bound)
+    inside = np.abs(flown["estimate.effectiveness"] - flown["truth.effectiveness"]) <= bound
+    assert finite.mean() > 0.8
+    assert inside[finite].mean() > 0.97
