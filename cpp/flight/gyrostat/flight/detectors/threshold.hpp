@@ -151,6 +151,8 @@ class ThresholdDetector {
       reference_[j] = seen_[j];
       beyond_[j] = 0;
       quiet_[j] = hold_off_;
+      det_.classes[static_cast<std::size_t>(j)] = FaultClass::gain;
+      det_.gain[j] = seen_[j];
       if (seen_[j] < params_.failed_below) det_.failed.set(j);
     }
     declared_ = now;
