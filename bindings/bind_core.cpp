@@ -166,6 +166,8 @@ void bind_signals(py::module_& m) {
   def_per_actuator(x, "effectiveness_bound", &Estimate<double>::effectiveness_bound,
                    "(n,) relative half-width; inf: never excited");
   def_vector(x, "d_B", &Estimate<double>::d_B, "(3,) N m, what effectiveness does not explain");
+  x.def_readonly("momentum_valid", &Estimate<double>::momentum_valid,
+                 "False: h_w was not measured at this sample; the stack sets it");
   x.def_readonly("event", &Estimate<double>::event, "of the measurement: counts jumps that no motion explains");
 
   py::class_<Detection<double>> det(m, "Detection", "Detector to controller and allocator.");

@@ -133,6 +133,25 @@ TYPED_TEST(Evidence, TellsEveryClassOfFaultByItsWheelAlone) {
   }
 }
 
+TYPED_TEST(Evidence, AWeakWheelWhoseCommandHardlyMovesIsNeverStuck) {
+  using S = TypeParam;
+  for (int onset = 0; onset < 8; ++onset) {  // anywhere in a block
+    Bench<S> bench(wheels<S>(S(0.05)));
+    std::mt19937 random(static_cast<unsigned>(onset));
+    std::normal_distribution<double> normal;
+    const S from = S(10) + S(0.05) * static_cast<S>(onset);
+    bench.commands = [&](int, S t) {  // jumps to where it makes up for the loss, and stays near
+      return (t < from ? S(-0.022) : S(-0.035)) + S(0.0015) * static_cast<S>(normal(random));
+    };
+    for (int k = 0; k < 600; ++k) {
+      bench.fly(S(0.05), [&](int i, S t, S u) { return i == 2 && t >= from ? S(0.55) * u : u; });
+      ASSERT_NE(bench.fault(2), FaultClass::stuck) << bench.time();
+    }
+    EXPECT_EQ(bench.det.changed.bits(), 0b0100);
+    EXPECT_FALSE(bench.det.failed.any());
+  }
+}
+
 TYPED_TEST(Evidence, AFaultThatComesAndGoesIsIntermittentOnceItHasRecoveredTwice) {
   using S = TypeParam;
   Bench<S> bench(wheels<S>());

@@ -18,7 +18,8 @@ template <class S>
 struct FaultFit {
   FaultClass fault = FaultClass::unclear;
   S gain = S(1), bias = S(0);  ///< delivered = gain u + bias; of an unclear one the mean error as bias
-  S slope = S(1);              ///< of the output on the command; 1 while the command rests
+  S slope = S(1);              ///< of the output on the command, where that moved
+  bool moved = false;          ///< the command, by more than the tolerance
 };
 
 /// @param n  the newest so many pairs, at least one
@@ -55,6 +56,7 @@ FaultFit<S> fit_fault(const MomentumPairs<S>& pairs, int n, S failed_below) noex
   const bool moved = var > N * tolerance * tolerance / S(4);
   FaultFit<S> fit;
   fit.bias = b;
+  fit.moved = moved;
   if (moved) fit.slope = cov / var;
   const auto possible = [&](S left) { return left < error / S(4) || left < noise; };
   const auto clear = [&](S left, S other) { return std::max(other, noise) >= S(3) * std::max(left, noise); };
@@ -62,13 +64,13 @@ FaultFit<S> fit_fault(const MomentumPairs<S>& pairs, int n, S failed_below) noex
   const bool shifted = possible(additive) && clear(additive, scaled) && clear(additive, yy);
   const bool held = moved && fit.slope < S(0.25) && possible(yy) && clear(yy, additive);
   if (weakened && moved && g < failed_below) {  // gain and stuck at zero are one
-    fit = {FaultClass::stuck, S(0), y_mean, fit.slope};
+    fit = {FaultClass::stuck, S(0), y_mean, fit.slope, true};
   } else if (held && clear(yy, scaled)) {
-    fit = {FaultClass::stuck, S(0), y_mean, fit.slope};
+    fit = {FaultClass::stuck, S(0), y_mean, fit.slope, true};
   } else if (weakened && clear(scaled, yy)) {
-    fit = {FaultClass::gain, std::max(g, S(0)), S(0), fit.slope};
+    fit = {FaultClass::gain, std::max(g, S(0)), S(0), fit.slope, moved};
   } else if (shifted) {
-    fit = {FaultClass::additive, S(1), b, fit.slope};
+    fit = {FaultClass::additive, S(1), b, fit.slope, moved};
   } else if (n >= 8 && std::min({scaled, additive, yy}) > S(0.3) * error) {
     fit.fault = FaultClass::intermittent;
   }

@@ -47,7 +47,7 @@ class MomentumPairs {
   int since_onset() const noexcept {
     int well = 0, age = 0;
     for (; age < size_ && well < 3; ++age) well = (*this)[age].inside() ? well + 1 : 0;
-    const int n = well == 3 ? age - 3 : size_;
+    const int n = age - well;
     return n >= 4 ? n - 1 : n;
   }
 

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gyrostat/core/signals.hpp"
+#include "gyrostat/flight/effectiveness_regression.hpp"
 
 namespace gyrostat {
 
@@ -56,7 +56,7 @@ class TorqueEvidence {
   S gain_of(int i, Mask faulty, S before) const noexcept {
     if (size_ < capacity) return before;
     faulty.set(i, false);
-    const Fit fit = fitted(i, unexplained(faulty));
+    const Fit fit = fitted(i, beyond<S>(D_B_, faulty));
     const bool told = fit.moved > S(capacity) * disturbance_ * disturbance_;
     return told ? std::clamp(S(1) + fit.along / fit.moved, S(0), S(1)) : before;
   }
@@ -64,24 +64,13 @@ class TorqueEvidence {
   /// Of the blocks so far. @param watched  who may be named @param faulty  who is known as faulty
   Answer judge(Mask watched, Mask faulty) noexcept {
     if (size_ < capacity) return {};
-    const Answer now = best(watched.without(faulty), unexplained(faulty));
+    const Answer now = best(watched.without(faulty), beyond<S>(D_B_, faulty));
     agreed_ = now.actuator >= 0 && now.actuator == candidate_ ? agreed_ + 1 : 1;
     candidate_ = now.actuator;
     return now.actuator >= 0 && agreed_ >= running ? now : Answer{};
   }
 
  private:
-  /// Projector onto the torques that no faulty actuator can make.
-  Mat3<S> unexplained(Mask faulty) const noexcept {
-    Mat3<S> P = Mat3<S>::Identity();
-    for (int i = 0; i < static_cast<int>(D_B_.cols()); ++i) {
-      if (!faulty.test(i)) continue;
-      const Vec3<S> axis = P * D_B_.col(i);
-      if (axis.squaredNorm() > S(1e-4) * D_B_.col(i).squaredNorm()) P -= axis * axis.transpose() / axis.squaredNorm();
-    }
-    return P;
-  }
-
   struct Fit {
     S along = S(0), moved = S(0);  ///< (N m)^2: of what is not explained with D_i u_i, and of D_i u_i with itself
   };

@@ -125,13 +125,16 @@ class WheelEvidence {
     if (n == 0) return;
     const FaultFit<S> fit = fit_fault(pairs_, n, rules_.failed_below);
     if (comes_and_goes_) {
-      fault_ = {FaultClass::intermittent, S(1), fit.bias, fit.slope};
+      fault_ = {FaultClass::intermittent, S(1), fit.bias};
       return;
     }
-    const bool news = fit.fault != FaultClass::unclear || fault_.fault == FaultClass::unclear;
-    if (news && fit.fault != fault_.fault) doubt();
-    if (news) fault_ = fit;
-    confirm();
+    const bool follows = fit.moved && fit.slope >= S(0.25);  // what is stuck does not
+    const bool open = fault_.fault == FaultClass::unclear || (fault_.fault == FaultClass::stuck && follows);
+    if (fit.fault != FaultClass::unclear || open) {
+      if (fit.fault != fault_.fault) doubt();
+      fault_ = fit;
+    }
+    confirm(fit);
   }
 
   void doubt() noexcept {
@@ -139,9 +142,11 @@ class WheelEvidence {
     asked_up_ = asked_down_ = false;
   }
 
-  void confirm() noexcept {
+  /// Counts while the command moves and the output does not.
+  void confirm(const FaultFit<S>& fit) noexcept {
     const MomentumPair<S>& now = pairs_[0];
-    if (fault_.fault != FaultClass::stuck || fault_.slope >= S(0.1)) return doubt();
+    if (fault_.fault != FaultClass::stuck || !fit.moved) return;
+    if (fit.slope >= S(0.1)) return doubt();
     stuck_for_ += time_;
     asked_up_ = asked_up_ || now.commanded - fault_.bias > now.tolerance;
     asked_down_ = asked_down_ || fault_.bias - now.commanded > now.tolerance;
