@@ -30,8 +30,8 @@ class Vehicle(Block):
     wheel_inertia
         Axial inertia of each wheel, kg m^2; 0: an ideal torque actuator.
     momentum_max
-        Momentum at which a wheel gives no more, N m s, as flight knows it: a number or one an actuator. Truth has the same
-        limit unless it states its own.
+        Momentum at which a wheel gives no more, N m s, as flight knows it: a number or one an actuator. Truth has it
+        too unless it states its own.
     spare
         Actuators that stay off until a detector enables them.
     orbit_rate

@@ -39,8 +39,14 @@ class MomentumPairs {
     return pairs_[static_cast<std::size_t>((newest_ + age) % capacity)];
   }
 
-  /// The last four outside, or six of the last eight.
-  bool persists() const noexcept { return outside(4) == 4 || outside(8) >= 6; }
+  /// The last four outside, or six of the last eight: all to one side, or by half as much again. Neighbours share a reading, so
+  /// noise goes from side to side, and four of them outside are not as rare as their shares multiplied.
+  bool persists() const noexcept {
+    const auto persist = [this](auto outside) { return count(4, outside) == 4 || count(8, outside) >= 6; };
+    return persist([](const auto& p) { return p.error() > p.tolerance; }) ||
+           persist([](const auto& p) { return p.error() < -p.tolerance; }) ||
+           persist([](const auto& p) { return !p.inside(S(1.5)); });
+  }
 
   /// Pairs since the wheel was last well, three in a row; without the oldest of them where enough are left: it is part before
   /// the onset.
@@ -52,9 +58,9 @@ class MomentumPairs {
   }
 
  private:
-  int outside(int last) const noexcept {
+  int count(int last, auto outside) const noexcept {
     int n = 0;
-    for (int age = 0; age < std::min(last, size_); ++age) n += (*this)[age].inside() ? 0 : 1;
+    for (int age = 0; age < std::min(last, size_); ++age) n += outside((*this)[age]) ? 1 : 0;
     return n;
   }
 
