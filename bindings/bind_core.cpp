@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "gyrostat/core/attitude.hpp"
@@ -90,6 +91,24 @@ void def_mask(py::class_<C>& c, const char* name, Mask C::* member, const char* 
       doc);
 }
 
+/// Fewer names than actuators: the others are healthy.
+std::array<FaultClass, max_actuators> fault_classes(const std::vector<std::string>& names) {
+  if (names.size() > max_actuators)
+    throw std::invalid_argument("classes was given " + std::to_string(names.size()) + " names; at most " +
+                                std::to_string(max_actuators) + " belong there, one an actuator");
+  std::array<FaultClass, max_actuators> out{};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto at = std::find(fault_class_names.begin(), fault_class_names.end(), names[i]);
+    if (at == fault_class_names.end()) {
+      std::string all;
+      for (const char* name : fault_class_names) all += std::string(all.empty() ? "" : ", ") + name;
+      throw std::invalid_argument("classes: no class of faults '" + names[i] + "'; there are: " + all);
+    }
+    out[i] = static_cast<FaultClass>(at - fault_class_names.begin());
+  }
+  return out;
+}
+
 void bind_signals(py::module_& m) {
   py::class_<EulerState<double>> euler_state(m, "EulerState", "Roll, pitch, yaw (rad) and their rates (rad/s).");
   def_vector(euler_state, "angles", &EulerState<double>::angles, "(3,) rad");
@@ -103,6 +122,8 @@ void bind_signals(py::module_& m) {
   def_per_actuator(vehicle, "u_lo", &Vehicle<double>::u_lo, "(n,) N m");
   def_per_actuator(vehicle, "u_up", &Vehicle<double>::u_up, "(n,) N m");
   def_per_actuator(vehicle, "u_rate", &Vehicle<double>::u_rate, "(n,) N m/s");
+  def_per_actuator(vehicle, "h_max", &Vehicle<double>::h_max,
+                   "(n,) N m s, momentum at which a wheel gives no more; infinite: not known");
   def_mask(vehicle, "spare", &Vehicle<double>::spare, "actuators that are off until a detector enables them");
   def_mask(vehicle, "wheels", &Vehicle<double>::wheels, "actuators that store momentum");
   vehicle.def_readonly("orbit_rate", &Vehicle<double>::orbit_rate, "rad/s");
@@ -156,6 +177,8 @@ void bind_signals(py::module_& m) {
                    "(n,) relative half-width; inf: never excited");
   def_vector(x, "d_B", &Estimate<double>::d_B, "(3,) N m, what effectiveness does not explain");
   x.def_readonly("axes", &Estimate<double>::axes);
+  x.def_readonly("momentum_valid", &Estimate<double>::momentum_valid,
+                 "False: h_w was not measured at this sample; the stack sets it");
   x.def_readonly("event", &Estimate<double>::event, "of the measurement: counts jumps that no motion explains");
 
   py::class_<Detection<double>> det(m, "Detection", "Detector to controller and allocator.");
@@ -165,7 +188,18 @@ void bind_signals(py::module_& m) {
   def_mask(det, "failed", &Detection<double>::failed, "actuators declared useless");
   def_mask(det, "enabled", &Detection<double>::enabled, "actuators that may be used");
   def_per_actuator(det, "u_probe", &Detection<double>::u_probe, "(n,) N m, dither; empty: none");
-  det.def_readwrite("event", &Detection<double>::event, "counts declarations");
+  det.def_property(
+      "classes",
+      [](const Detection<double>& d) {
+        py::list names;
+        for (const FaultClass fault : d.classes) names.append(fault_class_names[static_cast<std::size_t>(fault)]);
+        return names;
+      },
+      [](Detection<double>& d, const std::vector<std::string>& names) { d.classes = fault_classes(names); },
+      "of each of 16 actuators: healthy, gain, additive, stuck, intermittent or unclear");
+  def_per_actuator(det, "gain", &Detection<double>::gain, "(n,) delivered = gain u + bias as far as is known");
+  def_per_actuator(det, "bias", &Detection<double>::bias, "(n,) N m");
+  det.def_readwrite("event", &Detection<double>::event, "counts declarations and recoveries");
 
   py::class_<Demand<double>> demand(m, "Demand", "Controller to allocator.");
   demand.def(py::init([](const ArrayLike& tau_B, const std::optional<ArrayLike>& u_pref) {

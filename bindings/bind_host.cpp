@@ -69,8 +69,9 @@ py::dict flight_model(const Compiled& c) {
   }
   const py::dict vehicle("J_B"_a = to_python(host::write(v.J_B)), "D_B"_a = to_python(host::write(v.D_B)),
                          "u_lo"_a = to_python(host::write(v.u_lo)), "u_up"_a = to_python(host::write(v.u_up)),
-                         "u_rate"_a = to_python(host::write(v.u_rate)), "spare"_a = to_python(host::write(v.spare)),
-                         "wheels"_a = to_python(host::write(v.wheels)), "orbit_rate"_a = v.orbit_rate,
+                         "u_rate"_a = to_python(host::write(v.u_rate)), "h_max"_a = to_python(host::write(v.h_max)),
+                         "spare"_a = to_python(host::write(v.spare)), "wheels"_a = to_python(host::write(v.wheels)),
+                         "orbit_rate"_a = v.orbit_rate,
                          "coordinates"_a = v.coordinates == Coordinates::body ? "body" : "euler_angles");
   return py::dict("dt"_a = m.setup.dt, "vehicle"_a = vehicle, "allow_unstable"_a = m.allow_unstable,
                   "components"_a = components,
@@ -155,7 +156,7 @@ py::dict simulate(const Compiled& c, const py::dict& components,
   }
   py::list events;
   for (const host::Event& e : result.events)
-    events.append(py::dict("t"_a = e.t, "name"_a = e.name, "count"_a = e.count));
+    events.append(py::dict("t"_a = e.t, "name"_a = e.name, "count"_a = e.count, "what"_a = e.what));
   return py::dict(
       "t"_a = array_of(std::move(result.t), {rows}), "channels"_a = arrays, "meta"_a = meta, "events"_a = events,
       "status"_a = end_name(result.end.code), "cause"_a = result.end.cause, "end_time"_a = result.end.time,

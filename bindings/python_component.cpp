@@ -149,6 +149,8 @@ class PythonDetector final : public PythonModel<host::DetectorBase> {
   Detection<double> result(const py::object& out, const char* from) const {
     const auto det = signal<Detection<double>>(out, from, "a Detection (Detection.none(vehicle) makes one)");
     check_size(det.u_probe, from, "u_probe", true);
+    check_size(det.gain, from, "gain", true);
+    check_size(det.bias, from, "bias", true);
     check_members(det.changed, from, "changed");
     check_members(det.failed, from, "failed");
     check_members(det.enabled, from, "enabled");

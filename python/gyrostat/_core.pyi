@@ -87,6 +87,13 @@ class NominalVehicle:
         (3, 3) kg m^2; with wheels: total less sum Js g g'
         """
     @property
+    def h_max(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m s, momentum at which a wheel gives no more; infinite: not known
+        """
+    @h_max.setter
+    def h_max(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
     def orbit_rate(self) -> float:
         """
         rad/s
@@ -308,6 +315,11 @@ class Estimate:
     @h_w.setter
     def h_w(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
+    def momentum_valid(self) -> bool:
+        """
+        False: h_w was not measured at this sample; the stack sets it
+        """
+    @property
     def omega_BN_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,) rad/s
@@ -334,12 +346,26 @@ class Detection:
         Nothing detected; everything but the spares is enabled.
         """
     @property
+    def bias(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m
+        """
+    @bias.setter
+    def bias(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
     def changed(self) -> list:
         """
         actuators declared changed
         """
     @changed.setter
     def changed(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
+    def classes(self) -> list:
+        """
+        of each of 16 actuators: healthy, gain, additive, stuck, intermittent or unclear
+        """
+    @classes.setter
+    def classes(self, arg1: collections.abc.Sequence[str]) -> None: ...
     @property
     def enabled(self) -> list:
         """
@@ -350,7 +376,7 @@ class Detection:
     @property
     def event(self) -> int:
         """
-        counts declarations
+        counts declarations and recoveries
         """
     @event.setter
     def event(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
@@ -361,6 +387,13 @@ class Detection:
         """
     @failed.setter
     def failed(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
+    def gain(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) delivered = gain u + bias as far as is known
+        """
+    @gain.setter
+    def gain(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def u_probe(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """

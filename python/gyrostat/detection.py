@@ -134,7 +134,7 @@ def declarations(result: Result, role: str = "") -> list[tuple[float, int]]:
     """(time s, bit mask named) of each declaration of the loop's detector, or of a shadow's (``"shadow0"``).
 
     Needs ``detection.event``, or for the loop's own detector the events of the run, and of a `threshold` detector
-    ``detector.declared``; without the latter the mask is what is new in ``detection.changed``.
+    ``detector.declared``; without the latter the mask is what is new in ``detection.changed``. A recovery is none.
     """
     prefix = f"{role}." if role else ""
     if f"{prefix}detection.event" in result:
@@ -145,10 +145,14 @@ def declarations(result: Result, role: str = "") -> list[tuple[float, int]]:
         rows = np.minimum(np.searchsorted(result.t, np.array(times) - 1e-9), len(result) - 1)
     named = f"{prefix}detector.declared"
     if named in result:
-        return list(zip(times, result[named][rows].astype(int).tolist(), strict=True))
+        masks = result[named][rows].astype(int).tolist()
+        return [(t, mask) for t, mask in zip(times, masks, strict=True) if mask]
     changed = result[f"{prefix}detection.changed"].astype(int)
-    masks = [int(changed[k] & ~changed[k - 1]) or int(changed[k]) for k in rows]
-    return list(zip(times, masks, strict=True))
+    masks = []
+    for k in rows:
+        new, gone = int(changed[k] & ~changed[k - 1]), int(changed[k - 1] & ~changed[k])
+        masks.append(new or (0 if gone else int(changed[k])))
+    return [(t, mask) for t, mask in zip(times, masks, strict=True) if mask]
 
 
 def detection_report(result: Result, role: str = "", *, least: float = 0.15, horizon: float = 4.0) -> DetectionReport:

@@ -40,6 +40,8 @@ class Event:
     t: float
     name: str
     count: int
+    what: str = ""
+    """Of detection: the actuators and their classes of fault, "actuator 2 stuck"; of anything else nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +79,7 @@ class Result:
     def from_core(cls, scenario: Scenario, raw: Mapping[str, Any], components: Mapping[str, Any]) -> Result:
         """From what the compiled loop returns, and the Python components that it flew."""
         meta = {c["name"]: c for c in raw["meta"]}
-        events = tuple(Event(e["t"], e["name"], e["count"]) for e in raw["events"])
+        events = tuple(Event(e["t"], e["name"], e["count"], e["what"]) for e in raw["events"])
         ending = {key: raw[key] for key in ("status", "cause", "end_time", "statistics")}
         return cls(scenario, raw["t"], raw["channels"], events, meta=meta, components=components, **ending)
 

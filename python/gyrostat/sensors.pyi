@@ -42,6 +42,24 @@ def Attitude(
         age of what is measured; samples; [0, 1000]; default 0
     """
 
+def Tachometer(
+    *,
+    noise: float | None = ...,
+    quantisation: float | None = ...,
+    delay: int | None = ...,
+) -> Component:
+    """The sensor 'tachometer'.
+
+    Parameters
+    ----------
+    noise
+        white, one sigma a sample and wheel; N m s; [0, 1e+06]; default 0.0
+    quantisation
+        size of a step; 0: none; N m s; [0, 1e+06]; default 0.0
+    delay
+        age of what is measured; samples; [0, 1000]; default 0
+    """
+
 def RateBias(
     *,
     t_on: float | None = ...,

@@ -29,6 +29,9 @@ class Vehicle(Block):
         Limit of the change of a command, N m/s.
     wheel_inertia
         Axial inertia of each wheel, kg m^2; 0: an ideal torque actuator.
+    momentum_max
+        Momentum at which a wheel gives no more, N m s, as flight knows it: a number or one an actuator. Truth has it
+        too unless it states its own.
     spare
         Actuators that stay off until a detector enables them.
     orbit_rate
@@ -43,6 +46,7 @@ class Vehicle(Block):
     u_min: Leaf[float | Vector | None] = None
     u_rate: Leaf[float | Vector | None] = None
     wheel_inertia: Leaf[float | Vector | None] = None
+    momentum_max: Leaf[float | Vector | None] = None
     spare: Leaf[tuple[int, ...] | list[int] | None] = None
     orbit_rate: Leaf[float | None] = None
     coordinates: Leaf[Literal["body", "euler_angles"] | None] = None

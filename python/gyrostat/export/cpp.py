@@ -92,7 +92,7 @@ def _vehicle(code: FlightCode) -> list[str]:
 
     lines = [f"v.J_B << {filled_with(v['J_B'])};  // kg m^2, without the wheels' axial inertia"]
     lines += [f"v.D_B.resize(3, {n});", f"v.D_B << {filled_with(v['D_B'])};  // axes in columns"]
-    for limit, unit in (("u_lo", "N m"), ("u_up", "N m"), ("u_rate", "N m/s")):
+    for limit, unit in (("u_lo", "N m"), ("u_up", "N m"), ("u_rate", "N m/s"), ("h_max", "N m s")):
         lines += [f"v.{limit}.resize({n});", f"v.{limit} << {filled_with([v[limit]])};  // {unit}"]
     for mask in ("spare", "wheels"):
         lines += [f"v.{mask}.set({i});" for i in v[mask]]

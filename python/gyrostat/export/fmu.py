@@ -29,6 +29,7 @@ _integers = {
     "detection.failed",
     "detection.enabled",
     "detection.event",
+    "detection.class",
 }
 _switches = {"measurement.attitude_valid", "measurement.rate_valid", "measurement.momentum_valid"}
 _scalar_first = {"measurement.q_NB", "reference.q_NR", "estimate.q_NB"}

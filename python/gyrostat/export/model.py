@@ -46,6 +46,9 @@ OUTPUTS = (
     "detection.failed",
     "detection.enabled",
     "detection.event",
+    "detection.class",
+    "detection.gain",
+    "detection.bias",
 )
 """The signals on both sides of the stack, by the names of their channels."""
 

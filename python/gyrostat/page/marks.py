@@ -56,7 +56,9 @@ def _bits(mask: int) -> list[str]:
 
 def others(result: Result) -> list[Mark]:
     """Every other event of a run."""
-    return [Mark(_kind(e.name), e.t, f"{e.name} {e.count}") for e in result.events if _kind(e.name) != "declared"]
+    return [
+        Mark(_kind(e.name), e.t, f"{e.name} {e.what or e.count}") for e in result.events if _kind(e.name) != "declared"
+    ]
 
 
 def _kind(name: str) -> Kind:

@@ -237,7 +237,8 @@ def _momentum(result: Result) -> Panel | None:
     h = result["truth.h_w"]
     if not h.any():
         return None  # ideal torque actuators store none
-    most = (result.description.get("truth") or {}).get("momentum_max")
+    blocks = [result.description.get(block) or {} for block in ("truth", "vehicle")]
+    most = next((b["momentum_max"] for b in blocks if b.get("momentum_max") is not None), None)
     ends = [] if most is None else [float(v) for v in np.unique(np.asarray(most, dtype=float)) if math.isfinite(v)]
     levels = [(sign * end, "momentum_max" if sign > 0.0 else "-momentum_max") for end in ends for sign in (1.0, -1.0)]
     return Panel("momentum", "Momentum of each wheel", "N m s", _columns(h, _numbers(h)), levels)

@@ -95,11 +95,11 @@ def _events(result: Result) -> str:
     parts = [_table(("fault", "from", "to"), faults[:_most_events])] if faults else []
     parts += [_table(("event", "times", "first", "last"), counted)] if counted else []
     if counted:
-        single = [[f"{e.t:.6g} s", e.name, str(e.count)] for e in result.events[:_most_events]]
+        single = [[f"{e.t:.6g} s", e.name, str(e.count), e.what] for e in result.events[:_most_events]]
         rest = len(result.events) - len(single)
         more = f'<p class="dim">{rest} later ones are in the saved result.</p>' if rest else ""
         parts.append(
-            f"<details><summary>one by one</summary>{_table(('time', 'event', 'count'), single)}{more}</details>"
+            f"<details><summary>one by one</summary>{_table(('time', 'event', 'count', 'of'), single)}{more}</details>"
         )
     return "<p></p>".join(parts) or '<p class="dim">None.</p>'
 

@@ -122,6 +122,37 @@ TEST(Sensors, QuantisationRoundsToItsSteps) {
   EXPECT_NEAR(y.q_NB.norm(), 1, 1e-15);
 }
 
+TEST(Sensors, TachometersShowWheelsWithNoiseStepsAndAge) {
+  VecN<double> h(16);
+  for (int i = 0; i < 16; ++i) h[i] = 0.1 * i;
+  const auto shown = [&](const std::vector<Sensor>& sensors, Tick k, Mask wheels = Mask::all(16)) {
+    return Sensors(sensors, 7, 0, false, 0.1, wheels).measure(k, q_0, omega_0, h).h_w;
+  };
+  EXPECT_EQ(shown({}, 3), h);
+  EXPECT_EQ(shown({Tachometer{}}, 3), h);
+  // Each wheel has deviates of its own, and none depends on the other sensors.
+  for (const int first : {0, 6, 13}) {
+    expect_standard_normal(draw(
+        [&](Tick k) { return Vec3<double>((shown({Tachometer{.noise = 1e-3}}, k) - h).segment<3>(first) / 1e-3); }));
+  }
+  EXPECT_EQ(shown({Tachometer{.noise = 1e-3}}, 5), shown({Gyro{.noise = 1}, Tachometer{.noise = 1e-3}}, 5));
+  const VecN<double> noisy = shown({Tachometer{.noise = 1e-3}}, 5);
+  for (int i = 0; i < 16; ++i)
+    for (int k = 0; k < i; ++k) EXPECT_NE(noisy[i] - h[i], noisy[k] - h[k]);
+  Mask wheels;
+  wheels.set(1);
+  const VecN<double> one = shown({Tachometer{.noise = 1e-3, .quantisation = 0.03}}, 5, wheels);
+  EXPECT_NEAR(one[1], 0.09, 1e-15) << "0.1 and a little, in steps of 0.03";
+  for (int i = 0; i < 16; ++i) EXPECT_TRUE(i == 1 || one[i] == h[i]) << "no wheel, no tachometer";
+  Sensors late({Tachometer{.delay = 2}}, 7, 0);
+  for (Tick k = 0; k < 6; ++k) {
+    const double now = static_cast<double>(k);
+    EXPECT_EQ(late.measure(k, q_0, omega_0, VecN<double>::Constant(4, now)).h_w[3], std::max(0.0, now - 2));
+  }
+  EXPECT_THROW(Sensors({Tachometer{}, Tachometer{}}, 0, 0), std::invalid_argument);
+  EXPECT_THROW(Sensors({Tachometer{.noise = -1}}, 0, 0), std::invalid_argument);
+}
+
 TEST(Sensors, FillEulerAnglesAndRatesOfWhatWasMeasured) {
   Sensors sensors({Gyro{.bias = {1e-3, 0, 0}}}, 7, 0, /*euler=*/true);
   const Measurement<double> y = sensors.measure(0, q_0, omega_0, no_wheels);

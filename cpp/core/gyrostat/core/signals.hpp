@@ -8,6 +8,7 @@
 ///
 /// Page: docs/architecture.md
 #pragma once
+#include <array>
 #include <limits>
 
 #include "gyrostat/core/types.hpp"
@@ -25,6 +26,7 @@ struct Vehicle {
   Mat3N<S> D_B{3, 0};                 ///< actuator axes in columns
   VecN<S> u_lo, u_up;                 ///< N m, limits of the command; infinite when flight knows none
   VecN<S> u_rate;                     ///< N m/s, limit of its change; infinite when there is none
+  VecN<S> h_max;                      ///< N m s, |h_w| at which a wheel gives no more; infinite, or empty: not known
   Mask spare;                         ///< off until a detector enables them
   Mask wheels;                        ///< actuators that store momentum (h_w)
   S orbit_rate = S(0);                ///< rad/s, circular orbit
@@ -134,6 +136,7 @@ struct Estimate {
   VecN<S> effectiveness_bound;    ///< relative half-width; infinity: never excited
   Vec3<S> d_B = Vec3<S>::Zero();  ///< N m, what effectiveness does not explain
   Axes<S> axes;                   ///< of the measurement
+  bool momentum_valid = true;     ///< of the measurement: h_w was measured at this sample; the stack sets it
   std::uint32_t event = 0;        ///< of the measurement: counts jumps of the state that no motion explains
   Flags status;
 
@@ -154,19 +157,34 @@ struct Estimate {
   }
 };
 
+/// What is wrong with an actuator, as far as a detector can tell.
+enum class FaultClass : std::uint8_t {
+  healthy,       ///< nothing declared
+  gain,          ///< it delivers a share of the command
+  additive,      ///< the command and a torque beside it
+  stuck,         ///< a torque of its own, whatever the command
+  intermittent,  ///< a fault that comes and goes
+  unclear,       ///< a change of no class that could be told yet
+};
+inline constexpr std::array fault_class_names = {"healthy", "gain", "additive", "stuck", "intermittent", "unclear"};
+
 /// detector -> controller, allocator
 template <class S>
 struct Detection {
-  Mask changed;             ///< a change of effectiveness was declared since start
-  Mask failed;              ///< declared useless
-  Mask enabled;             ///< may be used
-  VecN<S> u_probe;          ///< N m, a dither that makes faults visible; empty: none
-  std::uint32_t event = 0;  ///< counts declarations
+  Mask changed;                                     ///< a change was declared and has not gone
+  Mask failed;                                      ///< declared useless
+  Mask enabled;                                     ///< may be used
+  VecN<S> u_probe;                                  ///< N m, a dither that makes faults visible; empty: none
+  std::array<FaultClass, max_actuators> classes{};  ///< of each actuator
+  VecN<S> gain, bias;       ///< it delivers gain u + bias (N m) as far as is known; empty: all 1 and 0
+  std::uint32_t event = 0;  ///< counts declarations and recoveries
 
   /// Nothing detected: everything but the spares is enabled.
   static Detection none(const Vehicle<S>& vehicle) noexcept {
     Detection det;
     det.enabled = Mask::all(vehicle.actuators()).without(vehicle.spare);
+    det.gain = VecN<S>::Ones(vehicle.actuators());
+    det.bias = VecN<S>::Zero(vehicle.actuators());
     return det;
   }
 };

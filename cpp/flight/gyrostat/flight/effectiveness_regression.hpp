@@ -25,6 +25,18 @@ Mask excited(const Mat3N<S>& D_B, const VecN<S>& u, S gate) noexcept {
   return out;
 }
 
+/// Projector onto the torques that no actuator of `known` can make, whatever it does.
+template <class S>
+Mat3<S> beyond(const Mat3N<S>& D_B, Mask known) noexcept {
+  Mat3<S> P = Mat3<S>::Identity();
+  for (int i = 0; i < static_cast<int>(D_B.cols()); ++i) {
+    if (!known.test(i)) continue;
+    const Vec3<S> axis = P * D_B.col(i);
+    if (axis.squaredNorm() > S(1e-4) * D_B.col(i).squaredNorm()) P -= axis * axis.transpose() / axis.squaredNorm();
+  }
+  return P;
+}
+
 /// Zero for actuators outside `informative`. `regularisation` (N m) > 0 keeps it bounded when the columns are parallel.
 template <class S>
 VecN<S> explaining_change(const Mat3N<S>& D_B, const VecN<S>& u, Mask informative, S regularisation,

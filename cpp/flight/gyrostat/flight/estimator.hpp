@@ -26,6 +26,7 @@ class Estimator {
     if (!guard_.possible(x_)) healthy_instead(y);
     x_.axes = y.axes;
     x_.event = event_ = y.event;
+    x_.momentum_valid = y.momentum_valid;
     measured_ = y.rate_valid && y.momentum_valid;
     det_ = detector.start(x_);
     if (!guard_.possible(det_)) det_ = Detection<Scalar>::none(guard_.vehicle());
@@ -44,6 +45,7 @@ class Estimator {
     }
     x_.axes = y.axes;
     x_.event = event_ = y.event;
+    x_.momentum_valid = y.momentum_valid;
     measured_ = measured;
     det_ = detector.step(x_, last);
     if (!guard_.possible(det_)) {

@@ -108,8 +108,9 @@ void to_plain(const Allocation<S>& a, Plain& out) noexcept {
   out.status = a.status.bits();
 }
 
-/// q_NB, omega_BN_B, d_B, effectiveness, effectiveness_bound, changed, failed, enabled (bit masks), events. Before the first
-/// step: healthy actuators that nobody has looked at.
+/// q_NB, omega_BN_B, d_B, effectiveness, effectiveness_bound, changed, failed, enabled (bit masks), events; fault_class
+/// (numbers of FaultClass), gain and bias where there is a fault_class. Before the first step: healthy actuators that nobody has
+/// looked at.
 template <class S, class Plain>
 void to_plain(const Estimate<S>& x, const Detection<S>& det, Plain& out) noexcept {
   out.q_NB[0] = static_cast<std::remove_reference_t<decltype(out.q_NB[0])>>(x.q_NB.w());
@@ -126,6 +127,12 @@ void to_plain(const Estimate<S>& x, const Detection<S>& det, Plain& out) noexcep
   out.failed = det.failed.bits();
   out.enabled = det.enabled.bits();
   out.events = det.event;
+  if constexpr (requires { out.fault_class; }) {
+    const bool told = det.gain.size() == n && det.bias.size() == n;
+    detail::put(told ? det.gain : VecN<S>(VecN<S>::Ones(n)), out.gain);
+    detail::put(told ? det.bias : VecN<S>(VecN<S>::Zero(n)), out.bias);
+    for (std::size_t i = 0; i < n; ++i) out.fault_class[i] = static_cast<std::uint8_t>(det.classes[i]);
+  }
 }
 
 }  // namespace gyrostat

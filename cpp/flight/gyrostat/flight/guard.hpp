@@ -88,7 +88,9 @@ class Guard {
            (x.effectiveness_bound.array() >= S(0)).all() && within(x.d_B, d_B_) &&
            (on_body() || within(x.euler.angles, S(1e6)));
   }
-  bool possible(const Detection<S>& det) const noexcept { return none_or_one_each(det.u_probe); }
+  bool possible(const Detection<S>& det) const noexcept {
+    return none_or_one_each(det.u_probe) && none_or_one_each(det.gain) && none_or_one_each(det.bias);
+  }
   bool possible(const Demand<S>& demand) const noexcept {
     return within(demand.tau_B, demand_) && none_or_one_each(demand.u_pref);
   }

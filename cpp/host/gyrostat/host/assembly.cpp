@@ -148,12 +148,17 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
   vehicle.u_lo = -vehicle.u_up;
   limits(v.u_max, v.u_min, vehicle.u_lo, vehicle.u_up, "vehicle");
   vehicle.u_rate = or_constant(v.u_rate, n, detail::infinite);
+  vehicle.h_max = or_constant(v.momentum_max, n, detail::infinite);
   vehicle.spare = v.spare;
   vehicle.orbit_rate = v.orbit_rate;
   vehicle.coordinates = v.coordinates;
   wheel_inertia = or_constant(v.wheel_inertia, n, 0.0);
   for (int i = 0; i < n; ++i) {
-    if (wheel_inertia[i] == 0.0) continue;
+    if (wheel_inertia[i] == 0.0) {
+      if (std::isfinite(vehicle.h_max[i]))
+        refuse("vehicle: momentum_max of actuator " + std::to_string(i) + " needs a wheel_inertia");
+      continue;
+    }
     vehicle.wheels.set(i);
     if (std::abs(v.D_B.col(i).norm() - 1.0) > 1e-6) {
       refuse("vehicle: D_B column " + std::to_string(i) + " is a wheel axis of length " +
@@ -192,7 +197,7 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   actuators.wheel_inertia = wheel_inertia;
   actuators.viscous_friction = or_constant(t.viscous_friction, n, 0.0);
   actuators.coulomb_friction = or_constant(t.coulomb_friction, n, 0.0);
-  actuators.momentum_max = or_constant(t.momentum_max, n, detail::infinite);
+  actuators.momentum_max = t.momentum_max.size() != 0 ? t.momentum_max : nominal.h_max;
   a.vehicles.D_true_B = plant.D_B;
 }
 

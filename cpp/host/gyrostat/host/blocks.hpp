@@ -19,7 +19,7 @@ struct VehicleBlock {
   static constexpr const char* name = "vehicle";
   Mat3<double> J_B = Mat3<double>::Constant(detail::none);
   Mat3N<double> D_B = Mat3N<double>::Constant(3, 1, detail::none);
-  VecN<double> u_max, u_min, u_rate, wheel_inertia;
+  VecN<double> u_max, u_min, u_rate, wheel_inertia, momentum_max;
   Mask spare;
   double orbit_rate = 0;
   Coordinates coordinates = Coordinates::body;
@@ -34,6 +34,8 @@ struct VehicleBlock {
     field(p.u_rate, Field{"u_rate", "N m/s", 0, detail::infinite, "fastest change of a command; absent: no limit"});
     field(p.wheel_inertia,
           Field{"wheel_inertia", "kg m^2", 0, 1e6, "axial inertia of each wheel; 0 or absent: ideal torque actuator"});
+    field(p.momentum_max, Field{"momentum_max", "N m s", 0, detail::infinite,
+                                "of each wheel, as flight knows it: it gives no more there; absent: not known"});
     field(p.spare, Field{"spare", "", 0, max_actuators - 1, "actuators that stay off until a detector enables them"});
     field(p.orbit_rate, Field{"orbit_rate", "rad/s", 0, 1, "of a circular orbit; 0: none"});
     field(p.coordinates,
@@ -59,7 +61,8 @@ struct TruthBlock {
           Choice{"limit_on", "command|output", "the limit acts on the command, or on the torque after the faults"});
     field(p.viscous_friction, Field{"viscous_friction", "N m s", 0, 1e6, "of each wheel"});
     field(p.coulomb_friction, Field{"coulomb_friction", "N m", 0, 1e6, "of each wheel"});
-    field(p.momentum_max, Field{"momentum_max", "N m s", 0, detail::infinite, "of each wheel; absent: no limit"});
+    field(p.momentum_max,
+          Field{"momentum_max", "N m s", 0, detail::infinite, "of each wheel; absent: the vehicle's, or no limit"});
   }
 };
 

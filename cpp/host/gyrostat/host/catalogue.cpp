@@ -69,6 +69,7 @@ Setup<double> reference_setup(double scale = 1) {
   setup.vehicle.u_up = VecN<double>::Constant(4, 0.2 * scale);
   setup.vehicle.u_lo = -setup.vehicle.u_up;
   setup.vehicle.u_rate = VecN<double>::Constant(4, detail::infinite);
+  setup.vehicle.h_max = setup.vehicle.u_rate;
   setup.vehicle.wheels = Mask::all(4);
   return setup;
 }

@@ -23,6 +23,14 @@ void put(const Quat<double>& q, double* out) {
   out[3] = q.z();
 }
 void put(double x, double* out) { *out = x; }
+/// `otherwise` for each where nothing is said.
+void put_or(const VecN<double>& v, double otherwise, int n, double* out) {
+  for (int i = 0; i < n; ++i) out[i] = v.size() == n ? v[i] : otherwise;
+}
+void put_classes(const Detection<double>& det, int n, double* out) {
+  for (int i = 0; i < n; ++i) out[i] = static_cast<double>(det.classes[static_cast<std::size_t>(i)]);
+}
+int actuators_of(const ShadowView& v) { return static_cast<int>(v.x->effectiveness.size()); }
 
 /// What the nominal model knows of the motion without commands.
 Vec3<double> known_of(const Moment& m, const truth::TruthState& s) {
@@ -125,7 +133,13 @@ const Known known[] = {
     {"detection.changed", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->changed.bits(), o); }},
     {"detection.failed", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->failed.bits(), o); }},
     {"detection.enabled", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->enabled.bits(), o); }},
-    {"detection.event", 1, "", "count of declarations", [](M m, double* o) { put(m.det->event, o); }},
+    {"detection.class", per_actuator, "", "0 healthy, 1 gain, 2 additive, 3 stuck, 4 intermittent, 5 unclear",
+     [](M m, double* o) { put_classes(*m.det, m.vehicles.nominal.actuators(), o); }},
+    {"detection.gain", per_actuator, "", "delivered = gain u + bias, as far as is known",
+     [](M m, double* o) { put_or(m.det->gain, 1, m.vehicles.nominal.actuators(), o); }},
+    {"detection.bias", per_actuator, "N m", "delivered = gain u + bias, as far as is known",
+     [](M m, double* o) { put_or(m.det->bias, 0, m.vehicles.nominal.actuators(), o); }},
+    {"detection.event", 1, "", "count of declarations and recoveries", [](M m, double* o) { put(m.det->event, o); }},
     {"demand.tau_B", 3, "N m", "torque that the controller asks for", [](M m, double* o) { put(m.demand->tau_B, o); },
      true},
     {"demand.u_pref", per_actuator, "N m", "preferred command, probe included",
@@ -162,7 +176,13 @@ const KnownOfShadow known_of_shadow[] = {
     {"estimate.omega_BN_B", 3, "rad/s", "estimated rate", [](V v, double* o) { put(v.x->omega_BN_B, o); }},
     {"detection.changed", 1, "", "bit mask of actuators", [](V v, double* o) { put(v.det->changed.bits(), o); }},
     {"detection.failed", 1, "", "bit mask of actuators", [](V v, double* o) { put(v.det->failed.bits(), o); }},
-    {"detection.event", 1, "", "count of declarations", [](V v, double* o) { put(v.det->event, o); }},
+    {"detection.class", per_actuator, "", "0 healthy, 1 gain, 2 additive, 3 stuck, 4 intermittent, 5 unclear",
+     [](V v, double* o) { put_classes(*v.det, actuators_of(v), o); }},
+    {"detection.gain", per_actuator, "", "delivered = gain u + bias, as far as is known",
+     [](V v, double* o) { put_or(v.det->gain, 1, actuators_of(v), o); }},
+    {"detection.bias", per_actuator, "N m", "delivered = gain u + bias, as far as is known",
+     [](V v, double* o) { put_or(v.det->bias, 0, actuators_of(v), o); }},
+    {"detection.event", 1, "", "count of declarations and recoveries", [](V v, double* o) { put(v.det->event, o); }},
 };
 
 int width_of(int size, const Counts& counts) {

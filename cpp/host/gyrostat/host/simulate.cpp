@@ -49,7 +49,7 @@ class EventLog {
   }
 
   void look(double t, const Detection<double>& det, const Reference<double>& ref, const GuardActions& did) {
-    count(t, "detector.event", static_cast<int>(det.event), detections_);
+    detections(t, det);
     count(t, "reference.event", static_cast<int>(ref.event), references_);
     for (Source& s : sources_) s.component->values(s.row.data());
     for (CounterView& c : counters_) count(t, c.name, static_cast<int>(sources_[c.source].row[c.offset]), c.seen);
@@ -72,15 +72,43 @@ class EventLog {
   };
 
   void count(double t, const std::string& name, int now, int& seen) {
-    if (now > seen) events_.push_back({t, name, now});
+    if (now > seen) events_.push_back({t, name, now, {}});
     seen = now;
+  }
+
+  /// A count that goes up is a declaration, unless all that is new is that actuators have recovered.
+  void detections(double t, const Detection<double>& det) {
+    const Mask gone = changed_.without(det.changed), named = det.changed.without(changed_);
+    const int now = static_cast<int>(det.event);
+    if (now > detections_ && (named.any() || !gone.any()))
+      events_.push_back({t, "detector.event", now, text_of(named.any() ? named : det.changed, det)});
+    if (gone.any()) events_.push_back({t, "detector.recovered", now, text_of(gone, det)});
+    Mask other;
+    for (int i = 0; i < max_actuators; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      other.set(i, det.classes[k] != classes_[k] && !named.test(i) && !gone.test(i));
+    }
+    if (other.any()) events_.push_back({t, "detector.class", now, text_of(other, det)});
+    detections_ = now;
+    changed_ = det.changed;
+    classes_ = det.classes;
+  }
+
+  static std::string text_of(Mask actuators, const Detection<double>& det) {
+    std::string text;
+    for (int i = 0; i < max_actuators; ++i) {
+      if (!actuators.test(i)) continue;
+      text += (text.empty() ? "actuator " : ", actuator ") + std::to_string(i) + " " +
+              fault_class_names[static_cast<std::size_t>(det.classes[static_cast<std::size_t>(i)])];
+    }
+    return text;
   }
 
   /// One event for each thing that the guard does: a component that fails at every sample must not fill the list.
   void note(double t, std::size_t action) {
     std::size_t& at = noted_[action];
     if (at == 0) {
-      events_.push_back({t, actions[action].name, 0});
+      events_.push_back({t, actions[action].name, 0, {}});
       at = events_.size();
     }
     ++events_[at - 1].count;
@@ -91,6 +119,8 @@ class EventLog {
   std::vector<Event> events_;
   std::array<std::size_t, std::size(actions)> noted_{};  ///< place in `events_`, from one
   int detections_ = 0, references_ = 0;
+  Mask changed_;                                     ///< at the sample before
+  std::array<FaultClass, max_actuators> classes_{};  ///< likewise
 };
 
 /// Calls `progress` about five times a second. The clock is read every so many samples, as many as take a few
@@ -281,7 +311,8 @@ namespace {
 
 RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalComponents& external,
                 const RunOptions& options) {
-  truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(options.channels), a.setup.dt);
+  truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(options.channels), a.setup.dt,
+                         a.setup.vehicle.wheels);
   ReferencePath reference(a.reference, a.setup.dt);
   FlightParts parts(a, external);
   std::optional<Recorder> recorder;

@@ -15,11 +15,13 @@
 namespace gyrostat::host {
 
 /// A dated event: a counter of a component, the detector or the reference went up, and to what. Of what the guard did
-/// (guard.rate, guard.controller, ...): the first time, and at how many samples in all.
+/// (guard.rate, guard.controller, ...): the first time, and at how many samples in all. Of detection: detector.event when
+/// actuators are declared, detector.class when one is of another class than before, detector.recovered.
 struct Event {
   double t;
   std::string name;
   int count;
+  std::string what = {};  ///< of detection: "actuator 2 stuck", one after the other; else ""
 };
 
 struct RunOptions {

@@ -11,7 +11,8 @@
 namespace gyrostat::truth {
 namespace {
 
-enum Stream : std::uint64_t { gyro_stream = 1, attitude_stream = 2 };
+/// Of tachometers one for each three wheels, from the first one on.
+enum Stream : std::uint64_t { gyro_stream = 1, attitude_stream = 2, tachometer_stream = 16 };
 
 double quantised(double x, double step) noexcept { return step > 0 ? step * std::round(x / step) : x; }
 
@@ -34,19 +35,25 @@ const T& Sensors::DelayLine<T>::through(const T& now) {
   return values_[next_];  // the oldest
 }
 
-Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler, double dt)
-    : seed_(seed), run_(run), euler_(euler), dt_(dt) {
-  bool has_gyro = false, has_attitude = false;
+Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler, double dt,
+                 Mask wheels)
+    : seed_(seed), run_(run), euler_(euler), dt_(dt), wheels_(wheels) {
+  bool has_gyro = false, has_attitude = false, has_tachometer = false;
   for (const Sensor& sensor : sensors) {
     if (take_fault(sensor)) continue;
-    bool& seen = std::holds_alternative<Gyro>(sensor) ? has_gyro : has_attitude;
-    if (seen) throw std::invalid_argument("sensors: one gyro and one attitude sensor at most");
+    bool& seen = std::holds_alternative<Gyro>(sensor)         ? has_gyro
+                 : std::holds_alternative<Tachometer>(sensor) ? has_tachometer
+                                                              : has_attitude;
+    if (seen) throw std::invalid_argument("sensors: one gyro, one attitude sensor and one tachometer at most");
     seen = true;
     if (const auto* gyro = std::get_if<Gyro>(&sensor)) gyro_ = *gyro;
     if (const auto* attitude = std::get_if<AttitudeSensor>(&sensor)) attitude_ = *attitude;
+    if (const auto* tachometer = std::get_if<Tachometer>(&sensor)) tachometer_ = *tachometer;
   }
   check_range(Gyro::name, gyro_.noise, gyro_.quantisation, gyro_.delay);
   check_range(AttitudeSensor::name, attitude_.noise, attitude_.quantisation, attitude_.delay);
+  check_range(Tachometer::name, tachometer_.noise, tachometer_.quantisation, tachometer_.delay);
+  momenta_ = DelayLine<VecN<double>>(tachometer_.delay);
   rates_ = DelayLine<Vec3<double>>(gyro_.delay);
   attitudes_ = DelayLine<Quat<double>>(attitude_.delay);
   angles_ = DelayLine<Vec3<double>>(attitude_.delay);
@@ -134,11 +141,25 @@ Vec3<double> Sensors::angles(Tick tick, const Vec3<double>& angles) {
   return shown;
 }
 
+VecN<double> Sensors::momentum(Tick tick, const VecN<double>& h_w) {
+  if (tachometer_.noise == 0 && tachometer_.quantisation == 0 && tachometer_.delay == 0) return h_w;
+  VecN<double> shown = momenta_.through(h_w);
+  Vec3<double> noise = Vec3<double>::Zero();
+  for (Eigen::Index i = 0; i < shown.size(); ++i) {
+    if (i % 3 == 0 && tachometer_.noise > 0)
+      noise = tachometer_.noise *
+              standard_normals(seed_, run_, tachometer_stream + static_cast<std::uint64_t>(i / 3), tick);
+    if (!wheels_.test(static_cast<int>(i))) continue;
+    shown[i] = quantised(shown[i] + noise[i % 3], tachometer_.quantisation);
+  }
+  return shown;
+}
+
 Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
                                      const VecN<double>& h_w) {
   Measurement<double> y;
   y.tick = tick;
-  y.h_w = h_w;
+  y.h_w = momentum(tick, h_w);
   y.omega_BN_B = rate(tick, omega_BN_B);
   y.q_NB = attitude(tick, q_NB);
   if (euler_) {

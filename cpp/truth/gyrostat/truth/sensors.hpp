@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  Sensors: gyro and attitude sensor with delay, bias, noise and quantisation, applied in that order; faults.
+/// @file  Sensors: gyro, attitude sensor and tachometers with delay, bias, noise and quantisation, applied in that order; faults.
 ///
 /// Noise is counter-based (Philox, keyed by seed and run; the counter is tick and stream): each number depends on its
 /// own (seed, run, stream, tick) alone, whoever else draws and in whatever order.
@@ -39,6 +39,19 @@ struct AttitudeSensor {
     field(p.noise, Field{"noise", "rad", 0, 1, "white, one sigma a sample and axis of the error rotation"});
     field(p.quantisation, Field{"quantisation", "rad", 0, 1,
                                 "step of the angle near zero rotation (quaternion elements: half of it); 0: none"});
+    field(p.delay, Field{"delay", "samples", 0, 1000, "age of what is measured"});
+  }
+};
+
+/// Tachometers: momentum of each wheel, as it follows from its speed.
+struct Tachometer {
+  static constexpr const char* name = "tachometer";
+  double noise = 0, quantisation = 0;
+  int delay = 0;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.noise, Field{"noise", "N m s", 0, 1e6, "white, one sigma a sample and wheel"});
+    field(p.quantisation, Field{"quantisation", "N m s", 0, 1e6, "size of a step; 0: none"});
     field(p.delay, Field{"delay", "samples", 0, 1000, "age of what is measured"});
   }
 };
@@ -108,16 +121,18 @@ struct MomentumDropout {
 };
 
 /// Sensors, one of a kind, and faults of sensors, any number. Scale acts first, then bias, freeze, dropout.
-using Sensor =
-    std::variant<Gyro, AttitudeSensor, RateBias, RateFreeze, RateScale, RateDropout, AttitudeDropout, MomentumDropout>;
+using Sensor = std::variant<Gyro, AttitudeSensor, Tachometer, RateBias, RateFreeze, RateScale, RateDropout,
+                            AttitudeDropout, MomentumDropout>;
 
 class Sensors {
  public:
   /// A kind that is not in `sensors` is perfect.
   /// @param euler  fill Measurement::euler too (3-2-1 angles and rates of what was measured)
   /// @param dt  sample period, s, of which faults count their onset
+  /// @param wheels  actuators with a tachometer
   /// @throws std::invalid_argument for two of a kind, or parameters out of range
-  Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler = false, double dt = 0);
+  Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler = false, double dt = 0,
+          Mask wheels = Mask::all(max_actuators));
 
   /// To be called once a sample, in order: delays count calls. Until a delay has filled, the first values are given.
   Measurement<double> measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
@@ -126,6 +141,7 @@ class Sensors {
   // The parts, for a plant that is measured otherwise: each of them once a sample, then what drops out.
   Vec3<double> rate(Tick tick, const Vec3<double>& omega);
   Quat<double> attitude(Tick tick, const Quat<double>& q_NB);
+  VecN<double> momentum(Tick tick, const VecN<double>& h_w);
   /// Roll, pitch, yaw: the attitude sensor's error adds to them.
   Vec3<double> angles(Tick tick, const Vec3<double>& angles);
   void drop_out(Measurement<double>& y);
@@ -149,9 +165,11 @@ class Sensors {
 
   Gyro gyro_;
   AttitudeSensor attitude_;
+  Tachometer tachometer_;
   std::uint64_t seed_, run_;
   bool euler_;
   double dt_;
+  Mask wheels_;
   std::vector<RateScale> scales_;
   std::vector<RateBias> biases_;
   std::vector<RateFreeze> freezes_;
@@ -163,6 +181,7 @@ class Sensors {
   DelayLine<Vec3<double>> rates_{0};
   DelayLine<Quat<double>> attitudes_{0};
   DelayLine<Vec3<double>> angles_{0};
+  DelayLine<VecN<double>> momenta_{0};
 };
 
 }  // namespace gyrostat::truth

@@ -140,9 +140,18 @@ class ThresholdDetector {
     const Mask pushing = excited(x.axes.of(vehicle_.D_B), last.u, params_.u_gate);
     watched_ = pushing.without(params_.unwatched);
     seen_ = x.effectiveness;
-    if (params_.use_torque && !x.d_B.isZero(S(0)))
-      seen_ += explaining_change(x.axes.of(vehicle_.D_B), last.u, pushing.without(params_.unwatched),
-                                 S(1e-3) * std::max(params_.u_gate, Eigen::NumTraits<S>::epsilon()), x.d_B);
+    if (params_.use_torque && !x.d_B.isZero(S(0))) seen_ += explained(x.axes.of(vehicle_.D_B), last.u, x.d_B);
+  }
+
+  /// By those that were declared before, first: the others explain what no declared one can make.
+  VecN<S> explained(const Mat3N<S>& D_B, const VecN<S>& u, const Vec3<S>& d_B) const noexcept {
+    const S regularisation = S(1e-3) * std::max(params_.u_gate, Eigen::NumTraits<S>::epsilon());
+    if (!det_.changed.any()) return explaining_change(D_B, u, watched_, regularisation, d_B);
+    const Mat3<S> P = beyond<S>(D_B, det_.changed);
+    const Mask others = watched_.without(det_.changed);
+    const VecN<S> change = explaining_change<S>(P * D_B, u, others, regularisation, P * d_B);
+    const Vec3<S> rest = d_B - torque<S>(D_B, change.cwiseProduct(u));
+    return change + explaining_change(D_B, u, watched_ & det_.changed, regularisation, rest);
   }
 
   void declare(Mask now) noexcept {
@@ -151,12 +160,23 @@ class ThresholdDetector {
       reference_[j] = seen_[j];
       beyond_[j] = 0;
       quiet_[j] = hold_off_;
-      if (seen_[j] < params_.failed_below) det_.failed.set(j);
+      det_.classes[static_cast<std::size_t>(j)] = FaultClass::gain;
+      det_.gain[j] = seen_[j];
+      if (seen_[j] < params_.failed_below && spared(j)) det_.failed.set(j);
     }
     declared_ = now;
     det_.changed = det_.changed | now;
     det_.enabled = Mask::all(vehicle_.actuators());
     ++det_.event;
+  }
+
+  /// Whether the others, spares and all, reach every direction of torque.
+  bool spared(int j) const noexcept {
+    Mask failed = det_.failed;
+    failed.set(j);
+    const ActuatorsInUse<S> left{Mask::all(vehicle_.actuators()).without(failed),
+                                 reference_.cwiseMax(S(0)).cwiseMin(S(1))};
+    return torque_authority(vehicle_, left) > S(0);
   }
 
   /// The next actuator's null command; with one dimension of redundancy they are all the same up to the sign.
