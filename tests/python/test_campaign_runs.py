@@ -66,7 +66,7 @@ GRID = [
         "name": "stack",
         "of": {
             "li2018": {"observer": "finite_time_disturbance", "controller": "integral_sliding_mode"},
-            "plain": {"observer": None, "controller": "mrp_feedback"},
+            "plain": {"observer": "passthrough", "controller": "mrp_feedback"},
         },
     },
     {"name": "allocator", "of": ["pseudo_inverse", "lexicographic"]},
@@ -102,6 +102,11 @@ def test_every_row_is_the_plain_scenario_of_its_run_flown_alone(flown: gs.Campai
     rng = random.Random(1)
     rows = table.to_pylist()
     for i, row in enumerate(rng.sample(rows, 80)):
+        if row["status"] == "refused":
+            with pytest.raises(gs.InputError) as refusal:
+                made.scenario(row["run"], row["cell"])
+            assert str(refusal.value) == row["cause"]
+            continue
         scenario = made.scenario(row["run"], row["cell"])
         alone = gs.Experiment(scenario, measure=TABLES["measure"]).fly(runs=1, first=row["run"])
         for name in TABLES["measure"]:
@@ -136,7 +141,7 @@ def test_counts_are_those_of_the_rows(flown: gs.CampaignResult) -> None:
         rows = table[table.cell == label]
         assert counts.runs == len(rows) == 300
         assert counts.failures == int((~rows.success).sum())
-        assert counts.status == {str(k): int(n) for k, n in rows.status.value_counts().items()}
+        assert counts.status == {str(k): int(n) for k, n in rows.status.value_counts().items() if n > 0}
         for name in TABLES["measure"]:
             assert counts.sums[name] == pytest.approx(rows[name].sum(), rel=1e-12)
         x = np.sort(rows["energy"].to_numpy())
@@ -192,8 +197,9 @@ def test_folders_flown_apart_are_joined(flown: gs.CampaignResult, tmp_path: Path
 def test_a_chunk_travels_as_bytes() -> None:
     chunk = campaign().fly(20, 31)
     again = Chunk.from_ipc(chunk.to_ipc())
-    assert again == chunk
-    assert again.table.equals(chunk.table)
+    assert (again.first, again.end, again.counts) == (20, 31, chunk.counts)
+    assert again.table.schema == chunk.table.schema
+    assert again.table.to_pandas().equals(chunk.table.to_pandas())
 
 
 def test_failures_alone_are_kept_and_all_are_counted(tmp_path: Path) -> None:
@@ -202,7 +208,7 @@ def test_failures_alone_are_kept_and_all_are_counted(tmp_path: Path) -> None:
     wanted = every[~every.success | (every.run % 50 == 0)]
     rows = kept.table().to_pandas()
     assert rows.run.tolist() == wanted.run.tolist()
-    assert rows.energy.tolist() == wanted.energy.tolist()
+    assert np.array_equal(rows.energy, wanted.energy, equal_nan=True)
     assert kept.counts[""].runs == 400
     assert kept.counts[""].failures == int((~every.success).sum())
     assert 0 < kept.counts[""].failures < 400
@@ -212,11 +218,12 @@ def test_trajectories_are_kept_by_policy(tmp_path: Path) -> None:
     keep = {"trajectories": {"failures": 2, "worst": {"measure": "final", "count": 2}, "every": 40}}
     kept = campaign(keep=keep).run(100, out=tmp_path / "kept")
     rows = kept.table().to_pandas()
+    rows = rows[rows.status != "refused"]
     expected = set(rows.run[~rows.success][:2]) | set(rows.run[rows.run % 40 == 0])
     expected |= set(rows.sort_values("final", ascending=False).run[:2])
     found = {int(p.stem) for p in (kept.folder / "trajectories").iterdir()}
     assert found == expected
-    worst = int(rows.sort_values("final").run.iloc[-1])
+    worst = int(rows.loc[rows.final.idxmax()].run)
     result = gs.Result.load(kept.folder / "trajectories" / f"{worst}.npz")
     assert result["error.angle"][result.t > 5.0 - 1e-9].max() == rows.final.max()
 
@@ -281,7 +288,7 @@ def test_evaluating_the_points_of_runs_is_flying_them() -> None:
     made = campaign()
     outcome = made.evaluate(made.points(3, 40), first=3)
     rows = made.fly(3, 40).table.to_pandas()
-    assert np.array_equal(outcome.measures["final"], rows.final)
+    assert np.array_equal(outcome.measures["final"], rows.final, equal_nan=True)
     assert np.array_equal(outcome.margin, rows.margin)
     assert np.array_equal(outcome.success, rows.success)
     assert len(made.evaluate(np.empty((0, made.dimension))).success) == 0
@@ -458,22 +465,21 @@ def test_the_command_flies_shows_and_flies_again(tmp_path: Path) -> None:
 def test_torn_and_changed_parts_are_refused(tmp_path: Path) -> None:
     found = campaign().run(60, out=tmp_path / "out", chunk=60)
     path = found.parts()[0].path
-    whole = path.read_bytes()
     rng = random.Random(5)
-    reference = found.table()
-    for _ in range(60):
-        changed = bytearray(whole)
-        place = rng.randrange(len(whole))
-        changed[place] ^= 1 << rng.randrange(8)
-        path.write_bytes(changed)
-        try:
-            assert found.table().equals(reference)  # a bit that decides nothing
-        except gs.InputError as error:
-            assert str(path) in str(error)  # noqa: PT017
-            assert "remove it to fly it again" in str(error)  # noqa: PT017
-    path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(gs.InputError, match="cannot be read"):
-        found.table()
+    reference = found.table().to_pandas()
+    for damaged in (path, path.parents[1] / "counts" / f"{path.stem}.json"):
+        whole = damaged.read_bytes()
+        for _ in range(60):
+            changed = bytearray(whole)
+            changed[rng.randrange(len(whole))] ^= 1 << rng.randrange(8)
+            damaged.write_bytes(changed)
+            with pytest.raises(gs.InputError, match=rf"{damaged.name}.* to fly it again"):
+                found.table()
+        damaged.write_bytes(whole[: len(whole) // 2])
+        with pytest.raises(gs.InputError, match=rf"{damaged.name}.* to fly it again"):
+            found.table()
+        damaged.write_bytes(whole)
+    assert found.table().to_pandas().equals(reference)
 
 
 def test_memory_does_not_grow_with_the_number_of_runs(tmp_path: Path) -> None:
