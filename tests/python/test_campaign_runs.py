@@ -504,7 +504,8 @@ def test_two_processes_in_one_folder_do_no_harm(tmp_path: Path) -> None:
 
 
 def test_two_workers_of_a_cluster_fly_the_same_bits(tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     expected = campaign().run(90, out=tmp_path / "here").table_hash
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         there = campaign().run(90, out=tmp_path / "there", chunk=13, scheduler=cluster.scheduler_address)
