@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from gyrostat.campaign.campaign import Campaign
     from gyrostat.campaign.catalogue import shipped
     from gyrostat.campaign.chunks import Chunk
+    from gyrostat.campaign.comparing import Comparison, compare, rate_interval
     from gyrostat.campaign.flights import Outcome
     from gyrostat.campaign.inputs import Draws
     from gyrostat.campaign.joining import join
@@ -23,12 +24,15 @@ __all__ = [
     "CampaignResult",
     "CellCounts",
     "Chunk",
+    "Comparison",
     "Draws",
     "Outcome",
     "Sketch",
     "State",
+    "compare",
     "dist",
     "join",
+    "rate_interval",
     "shipped",
 ]
 
@@ -37,11 +41,14 @@ _home_of = {
     "CampaignResult": "results",
     "CellCounts": "results",
     "Chunk": "chunks",
+    "Comparison": "comparing",
     "Draws": "inputs",
     "Outcome": "flights",
     "Sketch": "sketches",
     "State": "running",
+    "compare": "comparing",
     "join": "joining",
+    "rate_interval": "comparing",
     "shipped": "catalogue",
 }
 
