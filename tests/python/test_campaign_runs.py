@@ -19,7 +19,8 @@ import pytest
 from scipy import special, stats
 
 import gyrostat as gs
-from gyrostat.campaign import Chunk, Sketch, compare, dist, join, rate_interval
+from gyrostat.campaign import Chunk, Sketch, State, compare, dist, join, rate_interval
+from gyrostat.campaign.printing import state_line
 
 SET = {"duration": 6.0, "dt": 0.1, "integrator": "rk4", "faults": [], "sensors": [{"type": "gyro", "noise": 1e-6}]}
 FAULTS = [
@@ -386,6 +387,20 @@ def test_sketches_merge_in_any_order() -> None:
     assert whole.quantile(0.0) == -math.inf
     assert math.isnan(whole.quantile(1.0))
     assert math.isnan(Sketch().quantile(0.5))
+
+
+def test_progress_says_how_far_it_is(tmp_path: Path) -> None:
+    told: list[State] = []
+    campaign().run(60, out=tmp_path / "out", chunk=20)
+    campaign().run(200, out=tmp_path / "out", progress=told.append)
+    assert told[0].done >= 60
+    assert [s.done for s in told] == sorted(s.done for s in told)
+    last = told[-1]
+    assert (last.done, last.runs) == (200, 200)
+    assert last.failures == gs.CampaignResult(tmp_path / "out").counts[""].failures
+    assert state_line(State(1200, 10_000, 31, 480.0)) == "1200 of 10000 runs, 480 a second, 18 s left, 31 failures"
+    assert state_line(State(0, 10, 0, 0.0)) == "0 of 10 runs, 0 a second, 0 failures"
+    assert state_line(State(10, 10**6, 0, 10.0)).split(", ")[2] == "27.8 h left"
 
 
 START = "from gyrostat.cli import main; main()"
