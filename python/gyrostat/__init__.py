@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from gyrostat import (
         allocation,
         attitude,
+        campaign,
         comparison,
         design,
         disturbances,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
         waveforms,
     )
     from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference, Setup, __version__
+    from gyrostat.campaign import Campaign, CampaignResult
     from gyrostat.components import (
         Component,
         allocator,
@@ -49,6 +51,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Allocation",
+    "Campaign",
+    "CampaignResult",
     "Component",
     "Demand",
     "Detection",
@@ -72,6 +76,7 @@ __all__ = [
     "allocation",
     "allocator",
     "attitude",
+    "campaign",
     "comparison",
     "controller",
     "design",
@@ -98,6 +103,7 @@ __all__ = [
 
 _homes = {
     "_core": ["Allocation", "Demand", "Detection", "Estimate", "Measurement", "Reference", "Setup", "__version__"],
+    "campaign": ["Campaign", "CampaignResult"],
     "components": [
         "Component",
         "allocator",

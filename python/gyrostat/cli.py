@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The command ``gyrostat``.
 
-Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early or flew without a command.
+Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early or flew without a command, 5 a campaign
+found the disk full.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from gyrostat import _core, printing, toml
+from gyrostat import _core, cli_campaign, printing, toml
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import abandon, checked_target, made_folder, write_text
 from gyrostat.scenario import Scenario, shipped
@@ -144,16 +145,20 @@ def _root(
 
 @app.command("list")
 def list_(
-    family: Annotated[str | None, typer.Argument(help="A family of components, `scenario` or `paper`.")] = None,
+    family: Annotated[
+        str | None, typer.Argument(help="A family of components, `scenario`, `campaign` or `paper`.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """List what there is: components by family, shipped scenarios, papers.
+    """List what there is: components by family, shipped scenarios and campaigns, papers.
 
     Examples: `gyrostat list`, `gyrostat list fault`, `gyrostat list controller --json`
     """
     from gyrostat import papers
+    from gyrostat.campaign.catalogue import shipped as campaigns
 
-    known = {**_core.catalogue(), "scenario": sorted(shipped()), "paper": papers.available()}
+    known = {**_core.catalogue(), "scenario": sorted(shipped()), "campaign": sorted(campaigns())}
+    known["paper"] = papers.available()
     if family is not None:
         if family not in known:
             raise InputError(f"no family '{family}'{suggestion(family, known)}")
@@ -505,6 +510,9 @@ def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = 
         return
     with made_folder(out.parent):
         write_text(out, text + "\n")
+
+
+app.add_typer(cli_campaign.app, name="campaign")
 
 
 def _scenario(name: str, settings: Sequence[str] | None) -> Scenario:
