@@ -5,6 +5,7 @@ namespace gyrostat::bindings {
 void bind_allocation(pybind11::module_& m);
 void bind_core(pybind11::module_& m);
 void bind_host(pybind11::module_& m);
+void bind_words(pybind11::module_& m);
 }  // namespace gyrostat::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -14,4 +15,5 @@ PYBIND11_MODULE(_core, m) {
   gyrostat::bindings::bind_allocation(m);
   gyrostat::bindings::bind_core(m);
   gyrostat::bindings::bind_host(m);
+  gyrostat::bindings::bind_words(m);
 }

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from gyrostat import (
         allocation,
         attitude,
+        campaign,
         comparison,
         design,
         disturbances,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
         waveforms,
     )
     from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference, Setup, __version__
+    from gyrostat.campaign import Campaign, CampaignResult
     from gyrostat.components import Component, allocator, controller, detector, integrator, observer, reference
     from gyrostat.errors import InputError
     from gyrostat.experiment import Experiment, Flights
@@ -40,6 +42,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Allocation",
+    "Campaign",
+    "CampaignResult",
     "Component",
     "Demand",
     "Detection",
@@ -62,6 +66,7 @@ __all__ = [
     "allocation",
     "allocator",
     "attitude",
+    "campaign",
     "comparison",
     "controller",
     "design",
@@ -87,6 +92,7 @@ __all__ = [
 
 _homes = {
     "_core": ["Allocation", "Demand", "Detection", "Estimate", "Measurement", "Reference", "Setup", "__version__"],
+    "campaign": ["Campaign", "CampaignResult"],
     "components": ["Component", "allocator", "controller", "detector", "integrator", "observer", "reference"],
     "errors": ["InputError"],
     "experiment": ["Experiment", "Flights"],

@@ -50,6 +50,7 @@ __all__: list[str] = [
     "window_max",
     "window_norm",
     "window_rms",
+    "words",
 ]
 
 class EulerState:
@@ -713,6 +714,19 @@ def window_rms(
 ) -> float:
     """
     root of the mean over [t0, t1] of sum_i x_i^2
+    """
+
+def words(
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    first: typing.SupportsInt | typing.SupportsIndex,
+    last: typing.SupportsInt | typing.SupportsIndex,
+    names: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    counts: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    domain: typing.SupportsInt | typing.SupportsIndex = 1,
+    part: typing.SupportsInt | typing.SupportsIndex = 0,
+) -> numpy.typing.NDArray[numpy.uint64]:
+    """
+    Random words of runs first to last - 1, shape (last - first, sum(counts)): of each stream, named by a hash, its count. Word j is Philox4x64-10 with key (seed, run) and counter (j div 4, name, part, domain), element j mod 4.
     """
 
 __version__: str = "0.1.0"

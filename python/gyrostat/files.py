@@ -31,7 +31,9 @@ def file_errors(path: str | Path, what: str) -> Iterator[None]:
     except InputError:
         raise
     except OSError as error:
-        raise FileError(f"{path}: {what}: {(error.strerror or str(error)).lower()}") from None
+        failure = FileError(f"{path}: {what}: {(error.strerror or str(error)).lower()}")
+        failure.errno = error.errno
+        raise failure from None
     except UnicodeEncodeError as error:
         raise FileError(f"{path}: {what}: the name is not {error.encoding} text") from None
     except ValueError as error:  # a zero byte in the name

@@ -208,7 +208,7 @@ void read_faults(const Table& scenario, Assembly& a) {
             refuse(where + "actuator = " + std::to_string(window.actuator) + " is not there; the vehicle has " +
                    std::to_string(n) + " (0 to " + std::to_string(n - 1) + ")");
           }
-          if (!(window.t_off > window.t_on))
+          if (!window.ordered())
             refuse(where + "t_off = " + number_text(window.t_off) +
                    " must be after t_on = " + number_text(window.t_on) + " s");
         },

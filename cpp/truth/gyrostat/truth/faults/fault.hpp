@@ -27,6 +27,8 @@ struct Window {
     field(w.t_on, Field{"t_on", "s", 0, infinity, "onset"});
     field(w.t_off, Field{"t_off", "s", 0, infinity, "end; infinity: permanent"});
   }
+  /// Whether it can be: an infinite onset is that of a fault that never begins, whatever its end.
+  bool ordered() const noexcept { return t_on < t_off || t_on == infinity; }
   /// Whether it is open on the piece that contains `branch`.
   bool holds(double branch) const noexcept { return t_on <= branch && branch < t_off; }
   /// Its first edge after t.
@@ -105,7 +107,7 @@ std::string check(const F& f, const std::vector<Limits>& limits) {
     return who + "actuator " + actuator + " does not exist, the vehicle has " + std::to_string(limits.size()) +
            " (counted from 0)";
   }
-  if (!(f.window.t_on < f.window.t_off)) return who + "t_on must be before t_off";
+  if (!f.window.ordered()) return who + "t_on must be before t_off";
   std::string wrong;
   f.waveforms([&](const Waveform& w) { wrong = wrong.empty() ? w.check() : wrong; });
   if (wrong.empty()) wrong = f.check(limits[static_cast<std::size_t>(f.window.actuator)]);

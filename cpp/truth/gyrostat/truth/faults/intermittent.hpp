@@ -22,7 +22,7 @@ struct Intermittent {
 
   /// 1 while faulty.
   SquareWave gate() const noexcept {
-    return {.low = 0, .high = 1, .period = period, .duty = duty, .phase = -window.t_on};
+    return {.low = 0, .high = 1, .period = period, .duty = duty, .phase = window.t_on == infinity ? 0 : -window.t_on};
   }
   void waveforms(auto&& see) const { see(Waveform(gate())); }
   void apply(Effect& e, const At& at) const noexcept {

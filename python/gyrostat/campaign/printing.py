@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""What ``gyrostat campaign`` prints."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import typer
+
+from gyrostat.campaign.results import CampaignResult
+from gyrostat.campaign.running import State
+from gyrostat.printing import columns
+
+
+@contextmanager
+def progress(patience: float = 1.0) -> Iterator[Callable[[State], None]]:
+    """A line on stderr, if that is a terminal: how many, how fast, how long still, failures so far."""
+    started = time.monotonic()
+    wide = 0
+
+    def tell(state: State) -> None:
+        nonlocal wide
+        if time.monotonic() - started < patience or not sys.stderr.isatty():
+            return
+        line = state_line(state)
+        typer.echo("\r" + line.ljust(wide), nl=False, err=True)
+        wide = len(line)
+
+    try:
+        yield tell
+    finally:
+        if wide:
+            typer.echo("\r" + " " * wide + "\r", nl=False, err=True)
+
+
+def state_line(state: State) -> str:
+    """``1200 of 10000 runs, 480 a second, 18 s left, 31 failures``."""
+    left = "" if state.remaining is None else f", {duration(state.remaining)} left"
+    return f"{int(state.done)} of {state.runs} runs, {state.rate:.3g} a second{left}, {state.failures} failures"
+
+
+def duration(seconds: float) -> str:
+    """A time that people read."""
+    for unit, size in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.1f} {unit}"
+    return f"{seconds:.0f} s"
+
+
+def result(found: CampaignResult) -> None:
+    """What a folder holds: a line a cell, then measures, then what it is."""
+    wanted = int(found.manifest["runs"])
+    gaps = ", ".join(f"{a} to {b - 1}" for a, b in found.missing[:4])
+    typer.echo(f"{found.folder}: {found.runs} of {wanted} runs" + (f"; missing: {gaps}" if gaps else ""))
+    for label, cell in found.counts.items():
+        statuses = ", ".join(f"{n} {name}" for name, n in cell.status.items())
+        rate = cell.failures / cell.runs if cell.runs else math.nan
+        name = f"{label}: " if label else ""
+        typer.echo(f"{name}{cell.failures} failures of {cell.runs} flights ({100 * rate:.3g} %); {statuses}")
+        rows: list[tuple[str, ...]] = [("", "measure", "median", "95 %", "99 %", "nan")]
+        for measure, sketch in cell.sketches.items():
+            quantiles = [f"{sketch.quantile(level):.4g}" for level in (0.5, 0.95, 0.99)]
+            rows.append(("", measure, *quantiles, str(sketch.bins.get("nan", 0))))
+        columns(rows)
+
+
+def hashes(found: CampaignResult) -> None:
+    """What the folder is."""
+    typer.echo(f"identity {found.identity}")
+    typer.echo(f"table    {found.table_hash}")
+
+
+def as_table(found: CampaignResult) -> dict[str, Any]:
+    """As JSON."""
+    return {
+        "folder": str(found.folder),
+        "identity": found.identity,
+        "table": found.table_hash,
+        "runs": found.runs,
+        "wanted": int(found.manifest["runs"]),
+        "missing": [list(gap) for gap in found.missing],
+        "cells": {
+            label: {
+                "runs": c.runs,
+                "failures": c.failures,
+                "status": c.status,
+                "measures": {
+                    name: {f"{100 * q:g} %": s.quantile(q) for q in (0.05, 0.5, 0.95, 0.99)}
+                    for name, s in c.sketches.items()
+                },
+            }
+            for label, c in found.counts.items()
+        },
+    }
+
+
+def rerun(row: Mapping[str, Any] | None, again: Mapping[str, Any], run: int) -> bool:
+    """A run flown again, beside its row; whether they are equal to the bit."""
+    lines = [("", "again", "row")]
+    same = True
+    for name, value in again.items():
+        there = None if row is None else row[name]
+        lines.append((name, _shown(value), "not kept" if row is None else _shown(there)))
+        same = same and (row is None or _equal(value, there))
+    columns(lines)
+    verdict = "its row is not kept" if row is None else "equal to the bit" if same else "NOT EQUAL"
+    typer.echo(f"run {run}: {verdict}")
+    return same
+
+
+def _equal(a: Any, b: Any) -> bool:
+    return a == b or (isinstance(a, float) and isinstance(b, float) and math.isnan(a) and math.isnan(b))
+
+
+def _shown(value: Any) -> str:
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+__all__ = ["as_table", "duration", "hashes", "progress", "rerun", "result", "state_line"]

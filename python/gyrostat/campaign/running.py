@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""Flying what a folder does not hold yet, chunk by chunk, here or on a cluster."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gyrostat.campaign.chunks import Chunk
+from gyrostat.campaign.identity import identity, resolved
+from gyrostat.campaign.results import CampaignResult
+from gyrostat.campaign.store import FORMAT, Store, first_difference
+from gyrostat.errors import InputError
+from gyrostat.files import made_folder
+from gyrostat.text import shown
+
+if TYPE_CHECKING:
+    from gyrostat.campaign.campaign import Campaign
+
+CHUNK = 500
+"""Runs a part, where nobody says."""
+
+
+@dataclass(frozen=True)
+class State:
+    """How far it is.
+
+    Attributes
+    ----------
+    done, runs
+        Runs that are there, and that are wanted.
+    failures
+        Failed flights in finished chunks.
+    rate
+        Runs a second since the start; 0 at first.
+    """
+
+    done: float
+    runs: int
+    failures: int
+    rate: float
+
+    @property
+    def remaining(self) -> float | None:
+        """Seconds, if that can be said."""
+        return (self.runs - self.done) / self.rate if self.rate > 0.0 else None
+
+
+class _Teller:
+    """Makes a `State` of what has happened."""
+
+    def __init__(self, tell: Callable[[State], None] | None, done: int, runs: int, failures: int) -> None:
+        self._tell, self._done, self._runs, self._failures = tell, done, runs, failures
+        self._before, self._started = done, time.monotonic()
+
+    def within(self, count: int) -> Callable[[float], None]:
+        """Of a chunk of so many runs."""
+        return lambda fraction: self._say(self._done + fraction * count)
+
+    def add(self, chunk: Chunk) -> None:
+        """A chunk is written."""
+        self._done += chunk.end - chunk.first
+        self._failures += sum(c["failures"] for c in chunk.counts.values())
+        self._say(self._done)
+
+    def _say(self, done: float) -> None:
+        if self._tell is not None:
+            passed = time.monotonic() - self._started
+            rate = (done - self._before) / passed if passed > 0.0 else 0.0
+            self._tell(State(done, self._runs, self._failures, rate))
+
+
+def run(
+    campaign: Campaign,
+    runs: int,
+    *,
+    out: Path,
+    jobs: int | None = None,
+    chunk: int | None = None,
+    only: tuple[int, int] | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[State], None] | None = None,
+) -> CampaignResult:
+    """See `Campaign.run`."""
+    _whole("runs", runs)
+    if jobs is not None:
+        _whole("jobs", jobs)
+    campaign = campaign.with_points(runs)
+    _within_design(campaign, runs)
+    store = Store(out)
+    known = store.manifest()
+    manifest = _manifest(campaign, runs, chunk, known)
+    if known is not None and known["identity"] != manifest["identity"]:
+        why = first_difference(known["resolved"], manifest["resolved"]) or "its manifest was changed"
+        raise InputError(f"{out}: holds another campaign; {why}")
+    size = manifest["chunk"]
+    first, end = 0, runs
+    if only is not None:
+        first, end = _only(only, size, runs)
+    missing = store.missing(first, end, size)
+    if missing:
+        with made_folder(out):
+            _fly(campaign, store, manifest, missing, _Started(first, end, jobs, scheduler, progress))
+    result = CampaignResult(out)
+    if only is None:
+        result.keep_trajectories()
+    return result
+
+
+@dataclass(frozen=True)
+class _Started:
+    first: int
+    end: int
+    jobs: int | None
+    scheduler: str | None
+    progress: Callable[[State], None] | None
+
+
+def _fly(
+    campaign: Campaign, store: Store, manifest: dict[str, Any], missing: list[tuple[int, int]], how: _Started
+) -> None:
+    there = how.end - how.first - sum(b - a for a, b in missing)
+    teller = _Teller(how.progress, there, how.end - how.first, store.failures(how.first, how.end) if there else 0)
+    begun = False
+    for chunk in _chunks(campaign, missing, how, teller):
+        if chunk.first == 0:
+            _refuse_a_mistake(chunk)
+        if not begun:
+            store.begin(manifest)
+            store.log(event="started", runs=manifest["runs"], jobs=how.jobs, missing=len(missing))
+            begun = True
+        store.write(chunk)
+        teller.add(chunk)
+    store.log(event="ended")
+
+
+def _chunks(campaign: Campaign, missing: list[tuple[int, int]], how: _Started, teller: _Teller) -> Iterator[Chunk]:
+    if how.scheduler is not None:
+        from gyrostat.campaign.cluster import flown
+
+        yield from flown(campaign, missing, how.scheduler)
+        return
+    for a, b in missing:
+        yield campaign.fly(a, b, jobs=how.jobs, progress=teller.within(b - a))
+
+
+def _manifest(campaign: Campaign, runs: int, chunk: int | None, known: dict[str, Any] | None) -> dict[str, Any]:
+    if chunk is not None:
+        _whole("chunk", chunk)
+    told = resolved(campaign)
+    return {
+        "format": FORMAT,
+        "identity": identity(told),
+        "runs": max(runs, 0 if known is None else int(known["runs"])),
+        "chunk": (chunk or CHUNK) if known is None else known["chunk"],
+        "campaign": _readable(campaign),
+        "resolved": told,
+    }
+
+
+def _readable(campaign: Campaign) -> dict[str, Any] | None:
+    """What the folder's campaign is made of again; Python components cannot be written down."""
+    if campaign.base.python_components():
+        return None
+    tables = campaign.to_dict()
+    return {**{k: v for k, v in tables.items() if k not in ("base", "set")}, "base": campaign.base.to_dict()}
+
+
+def _refuse_a_mistake(chunk: Chunk) -> None:
+    rows = sum(c["runs"] for c in chunk.counts.values())
+    refused = sum(c["status"].get("refused", 0) for c in chunk.counts.values())
+    if refused > 0.5 * rows:
+        where = chunk.table.column("status").to_pylist().index("refused")
+        cause = chunk.table.column("cause")[where].as_py()
+        raise InputError(
+            f"{refused} of the first {rows} flights are refused, run "
+            f"{chunk.table.column('run')[where]} because: {cause}"
+        )
+
+
+def _within_design(campaign: Campaign, runs: int) -> None:
+    spec = campaign.spec
+    if spec.sampling != "plain" and spec.points is not None:
+        most = spec.points * (spec.replicates or 1)
+        if runs > most:
+            raise InputError(f"runs = {runs}: {spec.replicates} replicates of {spec.points} points are {most}")
+
+
+def _only(only: tuple[int, int], size: int, runs: int) -> tuple[int, int]:
+    a, b = only
+    count = -(-runs // size)
+    if not 0 <= a < b or a >= count:
+        raise InputError(f"chunks {a}:{b}: {runs} runs are chunks 0:{count} of {size}; a part of these belongs here")
+    return a * size, min(b * size, runs)
+
+
+def _whole(name: str, number: Any) -> None:
+    if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 1 <= number <= 10**12:
+        raise InputError(f"{name} = {shown(number)}: a whole number from 1 on belongs here")
+
+
+__all__ = ["CHUNK", "State", "run"]
