@@ -59,14 +59,15 @@ class FlownMargin:
         """Of one flight, shape (1, d), with the noise of a number."""
         return self._fly(z, np.array([number]))
 
-    def scenario(self, z: Floats, number: int) -> Scenario:
-        """The plain scenario of a flight."""
-        return self.campaign.scenario_at(uniform(z), number, self.cell)
-
     def _fly(self, z: Floats, first: NDArray[np.int64]) -> Floats:
         outcome = self.campaign.evaluate(uniform(z), first=int(first[0]), cell=self.cell, jobs=self.jobs)
         assert outcome.margin is not None  # has_margin
         return outcome.margin
+
+
+def scenario(campaign: Campaign, z: Floats, number: int, cell: str | None = None) -> Scenario:
+    """The plain scenario of a flight that a search flew."""
+    return campaign.scenario_at(uniform(z), number, cell)
 
 
 def rare(
@@ -112,7 +113,7 @@ def worst(
     budget: int = 2000,
     jobs: int | None = None,
     out: Path | None = None,
-) -> tuple[Smallest, Floats, list[str], FlownMargin]:
+) -> tuple[Smallest, Floats, list[str]]:
     """The smallest lost flight of a campaign, what is left of it when shrunk, and that in words.
 
     Parameters
@@ -132,10 +133,10 @@ def worst(
             margin.fly = stack.enter_context(remembered(margin.fly, out / "margins.bin", told))
         found = WorstCase(campaign.dimension, budget, seed).run(margin, measure)
     if not found.lost:
-        return found, found.z, [], margin
+        return found, found.z, []
     left, _ = shrunk(lambda z: margin.again(z, found.number), found.z)
     needs, middle = (campaign.drawn(uniform(z[None, :])).columns for z in (left, np.zeros_like(left)))
-    return found, left, _words(needs, middle), margin
+    return found, left, _words(needs, middle)
 
 
 def tune(
@@ -187,6 +188,24 @@ def tune(
         return FlownSet(time, float(np.nanmean(m["energy"])), float(np.nanmean(m["command_variation"])))
 
     return Tuner(len(parameters), effort, budget, seed).run(fly)
+
+
+def draw_trade(found: Tuned, path: Path) -> None:
+    """Effort against settling of all that was flown, as a picture."""
+    from matplotlib.figure import Figure
+
+    from gyrostat.files import replacing
+
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = figure.subplots()
+    front = found.trade()
+    axes.plot([t.energy for t in found.trials], [t.worst_tenth for t in found.trials], ".", color="0.7", label="flown")
+    axes.plot([t.energy for t in front], [t.worst_tenth for t in front], "o-", label="not beaten")
+    axes.axvline(1.0, color="0.5", lw=0.8)
+    axes.set(xlabel="energy over published", ylabel="settling, worst tenth (s)", xscale="log")
+    axes.legend()
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=150)
 
 
 def parameters_of(scenario: Scenario) -> dict[str, float]:
@@ -268,4 +287,4 @@ def _number(text: str) -> bool:
     return True
 
 
-__all__ = ["FlownMargin", "parameters_of", "rare", "tune", "uniform", "worst"]
+__all__ = ["FlownMargin", "draw_trade", "parameters_of", "rare", "scenario", "tune", "uniform", "worst"]

@@ -347,7 +347,8 @@ def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult
     if verdict.outcome == "UNDECIDED":
         needed = test.still_needed(verdict.runs, verdict.failures, most=max(most, 10**6))
     measure = requirement.measures[0] if requirement.measures else next(iter(campaign.spec.success), None)
-    quantile, dominant = None, ()
+    quantile: tuple[float, float] | None = None
+    dominant: tuple[tuple[str, float], ...] = ()
     if measure is not None and campaign.spec.keep.rows == "all":
         y = np.full(found.runs, np.nan)
         ended = np.zeros(found.runs, bool)
