@@ -232,7 +232,7 @@ class SubsetSimulation:
         while (pilot.margins[0] > 0).sum() < self.chains:
             G = pilot.margins[0]
             b = min(float(np.partition(G, -self.chains)[-self.chains]), 0.0)
-            strict = b == 0.0 or b <= last or b <= G.min()  # a plateau, or everybody is on it
+            strict = bool(b == 0.0 or b <= last or b <= G.min())  # a plateau, or everybody is on it
             level = Level(b, strict, step, math.nan, math.nan)
             kept = level.keeps(G)
             if not kept.any() or len(levels) == MOST_LEVELS:
