@@ -184,7 +184,10 @@ class Campaign:
         """The text of a TOML file, also written to `path` if given."""
         for role in self.base.python_components():
             raise InputError(f"{role} is a Python object; a TOML file can only hold components of the catalogue")
-        text = toml.write(self.to_dict())
+        tables = self.to_dict()
+        if (absent := _absent(tables)) is not None:
+            raise InputError(f"{absent} is None, which TOML cannot say; name a component that does nothing")
+        text = toml.write(tables)
         if path is not None:
             from gyrostat.files import write_text
 
@@ -434,6 +437,18 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(v) for v in value]
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+
+
+def _absent(value: Any, path: str = "") -> str | None:
+    """The first key under which there is nothing."""
+    if isinstance(value, Mapping):
+        items: Any = value.items()
+    elif isinstance(value, list | tuple):
+        items = enumerate(value)
+    else:
+        return path if value is None else None
+    found = (_absent(v, f"{path}.{key}" if path else str(key)) for key, v in items)
+    return next((path for path in found if path is not None), None)
 
 
 def _part_of(progress: Callable[[float], None], i: int, n: int) -> Callable[[float], None]:

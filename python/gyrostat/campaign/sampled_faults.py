@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from gyrostat.campaign.distributions import Choice, Scalar, chosen
 from gyrostat.campaign.spec import Fault, Kind
 from gyrostat.campaign.streams import Array, Stream
+from gyrostat.errors import InputError
 
 NONE = "none"
 """Kind of a fault that does not happen."""
@@ -51,6 +52,17 @@ class SampledFault:
             for kind in entry.kind
             for member in range(len(entry.actuators or [0]))
         )
+
+    def check(self, actuators: int) -> None:
+        """Refuse an actuator that a vehicle of so many does not have."""
+        who = self.entry.actuator
+        named = who.of if isinstance(who, Choice) else self.entry.actuators or [who]
+        for actuator in named:
+            if actuator >= actuators:
+                raise InputError(
+                    f"fault '{self.entry.name}': actuator {actuator:g} is not there; the vehicle has {actuators} "
+                    f"(0 to {actuators - 1})"
+                )
 
     def streams(self) -> list[Stream]:
         """``fault.<name>.<k>.<field>``, and ``fault.<name>.<k>.<type>.<field>`` of the parameters of a kind."""

@@ -4,7 +4,8 @@
 ``manifest.json``, ``parts/part-<first>-<end>.parquet`` (rows), ``counts/part-<first>-<end>.json`` (counts of all runs),
 ``trajectories/``, and ``log.jsonl`` (times and hosts, which are in no table). Each file is written under another name,
 synchronised and renamed; its counts before a part, so that a part is there exactly when all of it is. Writing a part
-twice gives the same bytes: two processes that do so do no harm. Nothing here is ever unpickled.
+twice gives the same bytes: two processes that do so do no harm. A part that is not what was written, by its SHA-256
+beside its counts, is refused. Nothing here is ever unpickled.
 """
 
 from __future__ import annotations
@@ -97,8 +98,6 @@ class Store:
     def write(self, chunk: Chunk) -> None:
         """Write a chunk."""
         name = f"part-{chunk.first}-{chunk.end}"
-        told = {"first": chunk.first, "end": chunk.end, "cells": chunk.counts}
-        self._write(self.folder / "counts" / f"{name}.json", json.dumps(told).encode())
         sink = pa.BufferOutputStream()
         pq.write_table(
             chunk.table,
@@ -107,7 +106,10 @@ class Store:
             row_group_size=max(1, chunk.table.num_rows),
             write_page_checksum=True,
         )
-        self._write(self.folder / "parts" / f"{name}.parquet", sink.getvalue())
+        data = sink.getvalue()
+        told = {"first": chunk.first, "end": chunk.end, "part": sha256(data).hexdigest(), "cells": chunk.counts}
+        self._write(self.folder / "counts" / f"{name}.json", json.dumps(told | {"digest": _digest(told)}).encode())
+        self._write(self.folder / "parts" / f"{name}.parquet", data)
 
     def log(self, **entry: Any) -> None:
         """Add a line to ``log.jsonl``."""
@@ -186,24 +188,29 @@ class Store:
 
     def read(self, part: Part, columns: Sequence[str] | None = None) -> Any:
         """The rows of a part."""
-        try:
-            with pq.ParquetFile(part.path, page_checksum_verification=True) as file:
-                wanted = None if columns is None else list(columns)
-                if wanted is not None and (unknown := set(wanted) - set(file.schema_arrow.names)):
-                    raise InputError(f"{part.path}: has no column '{min(unknown)}'")
-                return file.read(columns=wanted)
-        except (pa.ArrowException, OSError, EOFError) as error:
-            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise InputError(f"{part.path}: cannot be read: {reason}; remove it to fly it again") from None
+        with file_errors(part.path, "cannot be read"):
+            data = part.path.read_bytes()
+        if sha256(data).hexdigest() != self._told(part)["part"]:
+            raise InputError(f"{part.path}: cannot be read: is not what was written; remove it to fly it again")
+        with pq.ParquetFile(pa.BufferReader(data), page_checksum_verification=True) as file:
+            if columns is not None and (unknown := set(columns) - set(file.schema_arrow.names)):
+                raise InputError(f"{part.path}: has no column '{min(unknown)}'")
+            return file.read(columns=None if columns is None else list(columns))
 
     def _counts(self, part: Part) -> dict[str, Any]:
+        return dict(self._told(part)["cells"])
+
+    def _told(self, part: Part) -> dict[str, Any]:
         path = self.folder / "counts" / f"{part.path.stem}.json"
         with file_errors(path, "cannot be read"):
-            text = path.read_text(encoding="utf-8")
+            text = path.read_bytes()
         try:
-            return dict(json.loads(text)["cells"])
+            told = dict(json.loads(text))
+            if told.pop("digest") == _digest(told):
+                return told
         except (ValueError, KeyError, TypeError):
-            raise InputError(f"{path}: is no count of a part; remove the part to fly it again") from None
+            pass
+        raise InputError(f"{path}: is not what was written; remove {part.path.name} to fly it again")
 
     @staticmethod
     def _write(path: Path, data: Any) -> None:
@@ -215,6 +222,10 @@ class Store:
                 os.fsync(handle)
             finally:
                 os.close(handle)
+
+
+def _digest(told: dict[str, Any]) -> str:
+    return sha256(json.dumps(told).encode()).hexdigest()
 
 
 def _cut(first: int, end: int, chunk: int) -> Iterator[tuple[int, int]]:
