@@ -345,7 +345,7 @@ def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult
     verdict = test.decide(failures, found.runs)
     needed = None
     if verdict.outcome == "UNDECIDED":
-        needed = test.still_needed(verdict.runs, verdict.failures, most=max(most, 10**6))
+        needed = test.still_needed(verdict.runs, verdict.failures, most=most)
     measure = requirement.measures[0] if requirement.measures else next(iter(campaign.spec.success), None)
     quantile: tuple[float, float] | None = None
     dominant: tuple[tuple[str, float], ...] = ()
