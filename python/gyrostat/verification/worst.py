@@ -4,8 +4,8 @@
 A search in the space of standard normal inputs for the lost flight of smallest size; with the squared norm as size that
 is the likeliest one. A fifth of the flights is drawn at random; the best of them that lie apart are the starts of
 evolution strategies with covariance adaptation (Hansen & Ostermeier 2001, Evol. Comput. 9), of which only ranks are
-used. Then each input in turn is pulled to its nominal value as far as the flight stays lost: what remains is the
-explanation. Page: docs/verification.md
+used, and the best of their ends that of another one. Then each input in turn is pulled to its nominal value as far as
+the flight stays lost: what remains is the explanation. Page: docs/verification.md
 """
 
 from __future__ import annotations
@@ -30,6 +30,8 @@ SIGMA = 0.5
 APART = 1.5
 """Starts lie so far from each other, and from where earlier ones ended."""
 STARTS = 3
+POLISH = 0.25, 0.2
+"""Share of the budget, and sigma, of a last strategy from the best of the first three ends."""
 PATIENCE = 15
 """Generations without a gain of 1 % that end a restart."""
 NOT_LOST = 1e6
@@ -172,10 +174,13 @@ class WorstCase:
             if start is None:
                 break
             before = search.best
-            share = search.left() // max(STARTS - len(ends), 1)
-            end, found = self._climb(search, start, len(ends) + 1, share)
+            starts_left = STARTS - len(ends)
+            kept = int(POLISH[0] * self.budget) if starts_left > 0 else 0
+            end, found = self._climb(search, start, SIGMA, len(ends) + 1, (search.left() - kept) // max(starts_left, 1))
             taken += [start, end]
             ends.append(found)
+            if starts_left == 1:
+                self._climb(search, search.best[1], POLISH[1], 0, kept)
             without_gain = 0 if _gained(before, search.best) else without_gain + 1
         _, z, found, reached, number = search.best
         return Smallest(math.isfinite(found), z, found, reached, number, search.first_lost, search.flights, tuple(ends))
@@ -187,10 +192,10 @@ class WorstCase:
         points = special.ndtri(uniforms(stream((self.seed, 0), (which, 0), OPTIMISERS, self.inputs)))
         return points, search.fly(points)
 
-    def _climb(self, search: _Search, start: Floats, number: int, budget: int) -> tuple[Floats, float]:
+    def _climb(self, search: _Search, start: Floats, sigma: float, number: int, budget: int) -> tuple[Floats, float]:
         """One strategy until it stagnates or has used its share. Returns where it ended, and the size there."""
         padded = np.append(start, np.zeros(max(2 - self.inputs, 0)))  # the library wants two dimensions
-        strategy = evolution(padded, SIGMA, self.seed, number, {"popsize": self.batch})
+        strategy = evolution(padded, sigma, self.seed, number, {"popsize": self.batch})
         until = search.flights + min(budget, search.left())
         own = _Search(search.margin, search.size, self.inputs, 0)
         stale, mark = 0, own.best
