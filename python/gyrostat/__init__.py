@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         references,
         sensors,
         vehicle,
+        verification,
         waveforms,
     )
     from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference, Setup, __version__
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
     from gyrostat.results import Event, Result
     from gyrostat.scenario import Record, Scenario, Shadow
     from gyrostat.vehicle import Initial, Truth, Vehicle
+    from gyrostat.verification.flown import rare, tune, worst
+    from gyrostat.verification.requirements import verify
 
 __all__ = [
     "Allocation",
@@ -83,11 +86,16 @@ __all__ = [
     "papers",
     "plots",
     "protocols",
+    "rare",
     "reference",
     "references",
     "sensors",
+    "tune",
     "vehicle",
+    "verification",
+    "verify",
     "waveforms",
+    "worst",
 ]
 
 _homes = {
@@ -99,6 +107,8 @@ _homes = {
     "results": ["Event", "Result"],
     "scenario": ["Record", "Scenario", "Shadow"],
     "vehicle": ["Initial", "Truth", "Vehicle"],
+    "verification.flown": ["rare", "tune", "worst"],
+    "verification.requirements": ["verify"],
 }
 _home_of = {name: home for home, names in _homes.items() for name in names}
 

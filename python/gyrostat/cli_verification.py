@@ -136,16 +136,18 @@ def worst(
     search = partial(flown.worst, loaded, cell=cell, size=size, seed=seed, budget=budget, jobs=jobs)
     written: list[str] = []
     if out is None:
-        found, left, words = search()
+        got = search()
     else:
         with made_folder(out):
-            found, left, words = search(out=out)
-            flights = [("found", found.z), ("shrunk", left)] if found.lost else [("nearest", found.z)]
-            written = _written(out, [(n, flown.scenario(loaded, z, found.number, cell)) for n, z in flights])
+            got = search(out=out)
+            z, number = got.found.z, got.found.number
+            flights = [("found", z), ("shrunk", got.shrunk)] if got.found.lost else [("nearest", z)]
+            written = _written(out, [(n, flown.scenario(loaded, z, number, cell)) for n, z in flights])
+    found, left, words = got.found, got.shrunk, got.needs
     if as_json:
         told = {"lost": found.lost, "size": found.size, "margin": found.margin, "flights": found.flights}
         told |= {"first_lost": found.first_lost, "z": found.z.tolist(), "shrunk": left.tolist()}
-        printing.as_json(told | {"needs": words, "again": written})
+        printing.as_json(told | {"needs": list(words), "again": written})
     elif found.lost:
         typer.echo(f"lost: size {found.size:.4g}, margin {found.margin:.3g}, after {found.flights} flights")
         typer.echo(

@@ -87,7 +87,7 @@ def test_a_verdict_is_the_known_one(requirement: dict[str, Any], outcome: str, s
 
 def test_verdicts_taken_up_again_are_those_of_one_go(tmp_path: Path) -> None:
     file = write(tmp_path, {"probability": {"at_most": 0.12}}, runs=4000)
-    whole = verify(file, tmp_path / "whole")
+    whole = gs.verify(file, tmp_path / "whole")
     for runs in (70, 400, 4000):
         pieces = verify(file, tmp_path / "pieces", runs=runs)
     assert pieces.judgements[0].verdict == whole.judgements[0].verdict
@@ -96,6 +96,11 @@ def test_verdicts_taken_up_again_are_those_of_one_go(tmp_path: Path) -> None:
     assert whole.judgements[0].verdict == SequentialTest(0.12).decide(np.flatnonzero(~(angles < 0.9)), whole.runs)
     assert list(whole.judgements[0].failing) == np.flatnonzero(~(angles < 0.9))[:5].tolist()
     assert whole.judgements[0].dominant[0][0] == "initial.q_NB[2]"
+    at, for_pass, _ = whole.judgements[0].evidence
+    assert at[-1] == whole.runs
+    crossed = at[for_pass >= math.log(20)]
+    assert crossed[0] >= whole.judgements[0].verdict.runs
+    assert (tmp_path / "whole" / "evidence.png").exists()
 
 
 def test_a_flight_that_ends_early_fails_every_requirement(tmp_path: Path) -> None:
@@ -160,7 +165,7 @@ def rare_campaign(angle: float = 0.9999) -> gs.Campaign:
 
 def test_a_rare_loss_of_flights_has_the_probability_of_its_angle(tmp_path: Path) -> None:
     campaign = rare_campaign(0.999)
-    got = flown.rare(campaign, population=100, seed=2, jobs=2, out=tmp_path)
+    got = gs.rare(campaign, population=100, seed=2, jobs=2, out=tmp_path)
     assert got.status == "converged"
     assert got.interval[0] < 1e-3 < got.interval[1]
     again = flown.rare(campaign, population=100, seed=2, jobs=1)
@@ -172,7 +177,8 @@ def test_a_rare_loss_of_flights_has_the_probability_of_its_angle(tmp_path: Path)
 
 def test_the_worst_case_of_flights_is_the_nearest_angle_and_nothing_else() -> None:
     campaign = rare_campaign(0.999)
-    found, left, words = flown.worst(campaign, budget=1500, seed=1)
+    got = gs.worst(campaign, budget=1500, seed=1)
+    found, left, words = got.found, got.shrunk, got.needs
     assert found.lost
     assert math.sqrt(found.size) == pytest.approx(float(special.ndtri(0.999)), rel=0.03)
     assert np.flatnonzero(left).tolist() == [2]  # the angle; neither axis nor rates are needed

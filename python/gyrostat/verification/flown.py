@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -65,6 +66,25 @@ class FlownMargin:
         return outcome.margin
 
 
+@dataclass(frozen=True)
+class Explained:
+    """The smallest lost flight of a campaign.
+
+    Attributes
+    ----------
+    found
+        It, or the nearest one.
+    shrunk
+        What of its inputs is left when each is pulled to its nominal value, shape (d,).
+    needs
+        That in words.
+    """
+
+    found: Smallest
+    shrunk: Floats
+    needs: tuple[str, ...]
+
+
 def scenario(campaign: Campaign, z: Floats, number: int, cell: str | None = None) -> Scenario:
     """The plain scenario of a flight that a search flew."""
     return campaign.scenario_at(uniform(z), number, cell)
@@ -113,8 +133,8 @@ def worst(
     budget: int = 2000,
     jobs: int | None = None,
     out: Path | None = None,
-) -> tuple[Smallest, Floats, list[str]]:
-    """The smallest lost flight of a campaign, what is left of it when shrunk, and that in words.
+) -> Explained:
+    """The smallest lost flight of a campaign, and what of it is needed.
 
     Parameters
     ----------
@@ -133,10 +153,10 @@ def worst(
             margin.fly = stack.enter_context(remembered(margin.fly, out / "margins.bin", told))
         found = WorstCase(campaign.dimension, budget, seed).run(margin, measure)
     if not found.lost:
-        return found, found.z, []
+        return Explained(found, found.z, ())
     left, _ = shrunk(lambda z: margin.again(z, found.number), found.z)
     needs, middle = (campaign.drawn(uniform(z[None, :])).columns for z in (left, np.zeros_like(left)))
-    return found, left, _words(needs, middle)
+    return Explained(found, left, tuple(_words(needs, middle)))
 
 
 def tune(
@@ -287,4 +307,4 @@ def _number(text: str) -> bool:
     return True
 
 
-__all__ = ["FlownMargin", "draw_trade", "parameters_of", "rare", "scenario", "tune", "uniform", "worst"]
+__all__ = ["Explained", "FlownMargin", "draw_trade", "parameters_of", "rare", "scenario", "tune", "uniform", "worst"]

@@ -181,6 +181,8 @@ class Judgement:
         Numbers of the first failing runs.
     dominant
         Inputs with the largest first-order indices of the measure, with the index.
+    evidence
+        As of `SequentialTest.evidence`.
     """
 
     requirement: Requirement
@@ -190,6 +192,7 @@ class Judgement:
     quantile: tuple[float, float] | None
     failing: tuple[int, ...]
     dominant: tuple[tuple[str, float], ...]
+    evidence: tuple[Counts, NDArray[np.float64], NDArray[np.float64]]
 
     @property
     def name(self) -> str:
@@ -274,7 +277,9 @@ def verify(
             break
         goal = min(most, goal + max(500, int(GROWTH * goal) // 500 * 500))
     judgements = tuple(_judged(found, i, campaign, result, most) for i in range(len(pairs)))
-    return Report(together([j.verdict.outcome for j in judgements]), judgements, goal, most, folder)
+    report = Report(together([j.verdict.outcome for j in judgements]), judgements, goal, most, folder)
+    draw_evidence(report, folder / "evidence.png")
+    return report
 
 
 def _pairs(file: RequirementFile, campaign: Campaign) -> list[tuple[Requirement, str, SequentialTest]]:
@@ -360,7 +365,30 @@ def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult
             values = np.where(ended, np.inf, y)
             quantile = quantile_interval(values, requirement.percentile.level, 1 - requirement.confidence)
         dominant = _dominant(campaign, np.where(ended, np.nan, y))
-    return Judgement(requirement, cell, verdict, needed, quantile, tuple(failures[:LISTED].tolist()), dominant)
+    evidence = test.evidence(failures, found.runs)
+    named = tuple(failures[:LISTED].tolist())
+    return Judgement(requirement, cell, verdict, needed, quantile, named, dominant, evidence)
+
+
+def draw_evidence(report: Report, path: Path) -> None:
+    """Evidence against runs of every requirement, as a picture: so that stopping can be judged."""
+    from matplotlib.figure import Figure
+
+    from gyrostat.files import replacing
+
+    count = len(report.judgements)
+    figure = Figure(figsize=(6.4, 2.4 * count), layout="constrained")
+    for axes, judgement in zip(figure.subplots(count, squeeze=False)[:, 0], report.judgements, strict=True):
+        at, for_pass, for_fail = judgement.evidence
+        axes.plot(at, for_pass / math.log(10), label="for PASS")
+        axes.plot(at, np.where(np.isfinite(for_fail), for_fail, np.nan) / math.log(10), label="for FAIL")
+        axes.axhline(-math.log10(1 - judgement.requirement.confidence), color="0.5", lw=0.8)
+        axes.set(title=f"{judgement.name}: {judgement.verdict.outcome}", xscale="log", ylabel="log10 evidence")
+        axes.set_ylim(bottom=-3)
+        axes.legend()
+    axes.set_xlabel("runs")
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=150)
 
 
 def _dominant(campaign: Campaign, y: NDArray[np.float64], count: int = 3) -> tuple[tuple[str, float], ...]:
@@ -372,4 +400,14 @@ def _dominant(campaign: Campaign, y: NDArray[np.float64], count: int = 3) -> tup
     return tuple((campaign.inputs[i], float(indices[i])) for i in order.tolist() if indices[i] > floor)
 
 
-__all__ = ["Bounds", "Judgement", "Percentile", "Probability", "Report", "Requirement", "RequirementFile", "verify"]
+__all__ = [
+    "Bounds",
+    "Judgement",
+    "Percentile",
+    "Probability",
+    "Report",
+    "Requirement",
+    "RequirementFile",
+    "draw_evidence",
+    "verify",
+]

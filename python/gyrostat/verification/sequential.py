@@ -216,6 +216,12 @@ class SequentialTest:
                 return "PASS", int(runs_to_pass(at, self.limit, self.alpha)[0]), at
         return "UNDECIDED", runs, numbers.size
 
+    def evidence(self, failures: ArrayLike, runs: int, points: int = 400) -> tuple[Counts, Floats, Floats]:
+        """Evidence against runs, for a picture: runs, log evidence for PASS and for FAIL, shape (points,) at most."""
+        at = np.unique(np.geomspace(1, max(runs, 1), points).astype(np.int64))
+        S = np.searchsorted(np.asarray(failures, np.int64), at)
+        return at, log_e_pass(at, S, self.limit), log_e_fail(at, S, self.limit)
+
     def interval(self, runs: int, failures: int) -> tuple[float, float]:
         """Limits that neither test rejects: their verdict after these runs would be UNDECIDED.
 
