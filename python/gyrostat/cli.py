@@ -145,16 +145,20 @@ def _root(
 
 @app.command("list")
 def list_(
-    family: Annotated[str | None, typer.Argument(help="A family of components, `scenario` or `paper`.")] = None,
+    family: Annotated[
+        str | None, typer.Argument(help="A family of components, `scenario`, `campaign` or `paper`.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """List what there is: components by family, shipped scenarios, papers.
+    """List what there is: components by family, shipped scenarios and campaigns, papers.
 
     Examples: `gyrostat list`, `gyrostat list fault`, `gyrostat list controller --json`
     """
     from gyrostat import papers
+    from gyrostat.campaign.catalogue import shipped as campaigns
 
-    known = {**_core.catalogue(), "scenario": sorted(shipped()), "paper": papers.available()}
+    known = {**_core.catalogue(), "scenario": sorted(shipped()), "campaign": sorted(campaigns())}
+    known["paper"] = papers.available()
     if family is not None:
         if family not in known:
             raise InputError(f"no family '{family}'{suggestion(family, known)}")

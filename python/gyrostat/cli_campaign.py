@@ -82,10 +82,16 @@ def fly(
 
 
 @app.command()
-def show(folder: Folder, as_json: Json = False) -> None:
+def show(
+    folder: Folder,
+    against: Annotated[
+        str | None, typer.Option(metavar="CELL", help="Compare the cells with this one, run by run.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
     """Say what a folder holds: failures, statuses, quantiles, and the hashes of campaign and table.
 
-    Example: `gyrostat campaign show flown`
+    Examples: `gyrostat campaign show flown`, `gyrostat campaign show five --against recommended`
     """
     from gyrostat.campaign import CampaignResult
     from gyrostat.campaign import printing as show_
@@ -95,6 +101,8 @@ def show(folder: Folder, as_json: Json = False) -> None:
         printing.as_json(show_.as_table(found))
         return
     show_.result(found)
+    if against is not None:
+        show_.comparison(found, against)
     show_.hashes(found)
 
 

@@ -16,9 +16,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import special, stats
 
 import gyrostat as gs
-from gyrostat.campaign import Chunk, Sketch, dist, join
+from gyrostat.campaign import Chunk, Sketch, compare, dist, join, rate_interval
 
 SET = {"duration": 6.0, "dt": 0.1, "integrator": "rk4", "faults": [], "sensors": [{"type": "gyro", "noise": 1e-6}]}
 FAULTS = [
@@ -146,6 +147,39 @@ def test_counts_are_those_of_the_rows(flown: gs.CampaignResult) -> None:
             assert counts.sums[name] == pytest.approx(rows[name].sum(), rel=1e-12)
         x = np.sort(rows["energy"].to_numpy())
         assert counts.sketches["energy"].quantile(0.5) == pytest.approx(x[149], rel=0.0051)
+
+
+def test_cells_are_compared_run_by_run(flown: gs.CampaignResult) -> None:
+    table = flown.table().to_pandas().pivot(index="run", columns="cell", values="success")
+    base = "plain/lexicographic"
+    for row in compare(flown, base):
+        ok, other = table[row.cell].astype(bool), table[base].astype(bool)
+        assert (row.runs, row.failures) == (300, int((~ok).sum()))
+        assert (row.lost, row.saved) == (int((~ok & other).sum()), int((ok & ~other).sum()))
+        discordant = row.lost + row.saved
+        exact = (
+            min(1.0, 2.0 * stats.binom(max(discordant, 1), 0.5).cdf(min(row.lost, row.saved))) if discordant else 1.0
+        )
+        assert row.p == pytest.approx(exact)
+        assert row.interval[0] < row.failures / row.runs < row.interval[1]
+    with pytest.raises(gs.InputError, match="no cell 'plan'"):
+        compare(flown, "plan")
+
+
+@pytest.mark.parametrize(("failures", "runs"), [(0, 20), (3, 20), (20, 20), (1, 10**6), (10**6, 10**9)])
+def test_an_interval_ends_where_the_mixture_rejects(failures: int, runs: int) -> None:
+    """At its ends the beta mixture is 20 times as likely as the rate; for small n, by numerical integration."""
+    low, high = rate_interval(failures, runs)
+    assert 0.0 <= low <= failures / runs <= high <= 1.0
+    for p in (low, high):
+        if 0.0 < p < 1.0:
+            ratio = special.betaln(failures + 0.5, runs - failures + 0.5) - math.log(math.pi)
+            ratio -= failures * math.log(p) + (runs - failures) * math.log1p(-p)
+            assert ratio == pytest.approx(math.log(20.0), abs=1e-4)
+    if runs == 20 and 0.0 < high < 1.0:
+        density = stats.beta(0.5, 0.5)
+        mixed = density.expect(lambda p: p**failures * (1.0 - p) ** (runs - failures))
+        assert mixed / (high**failures * (1.0 - high) ** (runs - failures)) == pytest.approx(20.0, rel=1e-3)
 
 
 def test_success_and_margin_say_what_the_measure_says(flown: gs.CampaignResult) -> None:
@@ -504,7 +538,8 @@ def test_two_processes_in_one_folder_do_no_harm(tmp_path: Path) -> None:
 
 
 def test_two_workers_of_a_cluster_fly_the_same_bits(tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     expected = campaign().run(90, out=tmp_path / "here").table_hash
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         there = campaign().run(90, out=tmp_path / "there", chunk=13, scheduler=cluster.scheduler_address)

@@ -240,6 +240,7 @@ def test_a_name_of_nothing_is_noticed(piece: str) -> None:
 
 def test_subcommands_that_pages_name_are_there() -> None:
     known = {c.name or c.callback.__name__ for c in cli.app.registered_commands if c.callback}
+    known |= {group.name for group in cli.app.registered_groups}
     for page in EVERY_PAGE:
         for piece in code(page):
             for command in re.findall(r"^(?:\$ )?gyrostat ([a-z]\w*)", piece):
@@ -271,9 +272,12 @@ def test_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "toml")], ids=name)
 def test_toml_examples_are_valid(page: Path) -> None:
-    """A whole scenario stands alone; a part is put into the reference scenario."""
+    """A whole scenario and a campaign stand alone; a part is put into the reference scenario."""
     for text in blocks(page, "toml"):
         tables = tomllib.loads(text)
+        if "base" in tables:
+            gs.Campaign.from_dict(tables)
+            continue
         whole = {"vehicle", "duration", "dt"} <= set(tables)
         gs.Scenario.from_dict(tables if whole else merged(gs.Scenario.load("ftc_4rw").to_dict(), tables))
 

@@ -1,26 +1,69 @@
 # SPDX-License-Identifier: MIT
 """Campaigns: thousands of flights with drawn inputs and sampled faults. Page: docs/campaigns.md."""
 
-from gyrostat.campaign import dist
-from gyrostat.campaign.campaign import Campaign, shipped
-from gyrostat.campaign.chunks import Chunk
-from gyrostat.campaign.flights import Outcome
-from gyrostat.campaign.inputs import Draws
-from gyrostat.campaign.joining import join
-from gyrostat.campaign.results import CampaignResult, CellCounts
-from gyrostat.campaign.running import State
-from gyrostat.campaign.sketches import Sketch
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gyrostat.campaign import dist
+    from gyrostat.campaign.campaign import Campaign
+    from gyrostat.campaign.catalogue import shipped
+    from gyrostat.campaign.chunks import Chunk
+    from gyrostat.campaign.comparing import Comparison, compare, rate_interval
+    from gyrostat.campaign.flights import Outcome
+    from gyrostat.campaign.inputs import Draws
+    from gyrostat.campaign.joining import join
+    from gyrostat.campaign.results import CampaignResult, CellCounts
+    from gyrostat.campaign.running import State
+    from gyrostat.campaign.sketches import Sketch
 
 __all__ = [
     "Campaign",
     "CampaignResult",
     "CellCounts",
     "Chunk",
+    "Comparison",
     "Draws",
     "Outcome",
     "Sketch",
     "State",
+    "compare",
     "dist",
     "join",
+    "rate_interval",
     "shipped",
 ]
+
+_home_of = {
+    "Campaign": "campaign",
+    "CampaignResult": "results",
+    "CellCounts": "results",
+    "Chunk": "chunks",
+    "Comparison": "comparing",
+    "Draws": "inputs",
+    "Outcome": "flights",
+    "Sketch": "sketches",
+    "State": "running",
+    "compare": "comparing",
+    "join": "joining",
+    "rate_interval": "comparing",
+    "shipped": "catalogue",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Names load when they are first used: SciPy and PyArrow take half a second."""
+    if name not in __all__:
+        raise AttributeError(f"module 'gyrostat.campaign' has no attribute '{name}'")
+    if name in _home_of:
+        value = getattr(import_module(f"gyrostat.campaign.{_home_of[name]}"), name)
+    else:
+        value = import_module(f"gyrostat.campaign.{name}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

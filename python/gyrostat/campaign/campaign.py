@@ -19,10 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from gyrostat import toml
 from gyrostat.campaign import chunks
+from gyrostat.campaign.catalogue import shipped
 from gyrostat.campaign.chunks import Chunk
 from gyrostat.campaign.distributions import Distribution
 from gyrostat.campaign.flights import Cell, Cells, Outcome
 from gyrostat.campaign.inputs import Draws, Inputs
+from gyrostat.campaign.limits import whole
 from gyrostat.campaign.sampling import REPLICATES, LatinHypercube, Plain, Sampling, Sobol
 from gyrostat.campaign.spec import Fault, Grid, Spec
 from gyrostat.campaign.streams import Array
@@ -36,9 +38,6 @@ from gyrostat.text import shown
 if TYPE_CHECKING:
     from gyrostat.campaign.results import CampaignResult
     from gyrostat.campaign.running import State
-
-MOST_RUNS = 10**12
-_shipped = Path(__file__).parent.parent / "campaigns"
 
 
 class Campaign:
@@ -234,8 +233,8 @@ class Campaign:
 
     def points(self, first: int, last: int) -> Array:
         """The points of runs first to last - 1 in the open unit cube, shape (last - first, dimension)."""
-        _whole("first", first)
-        _whole("last", last)
+        whole("first", first)
+        whole("last", last)
         if last < first:
             raise InputError(f"last = {last} lies before first = {first}")
         return self._sampling.points(first, last)
@@ -277,7 +276,7 @@ class Campaign:
         Outcome
             Measures, success, margin, status, cause, end time: a row a point.
         """
-        _whole("first", first)
+        whole("first", first)
         return self._cell(cell).fly(self.drawn(u).values, first, jobs, progress)
 
     def scenario(self, run: int, cell: str | None = None) -> Scenario:
@@ -400,11 +399,6 @@ class Campaign:
         )
 
 
-def shipped() -> dict[str, Path]:
-    """Campaigns that come with the package, by name."""
-    return {p.stem: p for p in sorted(_shipped.glob("*.toml"))}
-
-
 def _shipped_scenarios() -> Mapping[str, Path]:
     from gyrostat.scenario import shipped as scenarios
 
@@ -455,10 +449,4 @@ def _part_of(progress: Callable[[float], None], i: int, n: int) -> Callable[[flo
     return lambda fraction: progress((i + fraction) / n)
 
 
-def _whole(name: str, number: Any, least: int = 0) -> int:
-    if isinstance(number, bool) or not isinstance(number, int | np.integer) or not least <= number <= MOST_RUNS:
-        raise InputError(f"{name} = {shown(number)}: a whole number from {least} on belongs here")
-    return int(number)
-
-
-__all__ = ["Campaign", "shipped"]
+__all__ = ["Campaign"]

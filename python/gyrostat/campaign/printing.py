@@ -75,6 +75,20 @@ def hashes(found: CampaignResult) -> None:
     typer.echo(f"table    {found.table_hash}")
 
 
+def comparison(found: CampaignResult, reference: str | None) -> None:
+    """A line a cell: failures with an interval, and what it lost and saved of the reference's runs."""
+    from gyrostat.campaign.comparing import compare
+
+    rows = compare(found, reference)
+    base = reference or rows[0].cell
+    lines = [("cell", "failures", "rate, 95 %", f"lost, {base} not", f"saved, {base} not", "McNemar p")]
+    for r in rows:
+        rate = f"{100 * r.failures / r.runs:.3g} % ({100 * r.interval[0]:.3g} to {100 * r.interval[1]:.3g})"
+        paired = ("-", "-", "-") if r.cell == base else (str(r.lost), str(r.saved), f"{r.p:.2g}")
+        lines.append((r.cell, f"{r.failures} of {r.runs}", rate, *paired))
+    columns(lines)
+
+
 def as_table(found: CampaignResult) -> dict[str, Any]:
     """As JSON."""
     return {
@@ -121,4 +135,4 @@ def _shown(value: Any) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-__all__ = ["as_table", "duration", "hashes", "progress", "rerun", "result", "state_line"]
+__all__ = ["as_table", "comparison", "duration", "hashes", "progress", "rerun", "result", "state_line"]

@@ -9,15 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from gyrostat.campaign.chunks import Chunk
 from gyrostat.campaign.identity import identity, resolved
+from gyrostat.campaign.limits import whole
 from gyrostat.campaign.results import CampaignResult
 from gyrostat.campaign.store import FORMAT, Store, first_difference
 from gyrostat.errors import InputError
 from gyrostat.files import made_folder
-from gyrostat.text import shown
 
 if TYPE_CHECKING:
     from gyrostat.campaign.campaign import Campaign
@@ -87,9 +85,9 @@ def run(
     progress: Callable[[State], None] | None = None,
 ) -> CampaignResult:
     """See `Campaign.run`."""
-    _whole("runs", runs)
+    whole("runs", runs, least=1)
     if jobs is not None:
-        _whole("jobs", jobs)
+        whole("jobs", jobs, least=1)
     campaign = campaign.with_points(runs)
     _within_design(campaign, runs)
     store = Store(out)
@@ -151,7 +149,7 @@ def _chunks(campaign: Campaign, missing: list[tuple[int, int]], how: _Started, t
 
 def _manifest(campaign: Campaign, runs: int, chunk: int | None, known: dict[str, Any] | None) -> dict[str, Any]:
     if chunk is not None:
-        _whole("chunk", chunk)
+        whole("chunk", chunk, least=1)
     told = resolved(campaign)
     return {
         "format": FORMAT,
@@ -197,11 +195,6 @@ def _only(only: tuple[int, int], size: int, runs: int) -> tuple[int, int]:
     if not 0 <= a < b or a >= count:
         raise InputError(f"chunks {a}:{b}: {runs} runs are chunks 0:{count} of {size}; a part of these belongs here")
     return a * size, min(b * size, runs)
-
-
-def _whole(name: str, number: Any) -> None:
-    if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 1 <= number <= 10**12:
-        raise InputError(f"{name} = {shown(number)}: a whole number from 1 on belongs here")
 
 
 __all__ = ["CHUNK", "State", "run"]

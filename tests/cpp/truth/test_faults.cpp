@@ -50,6 +50,8 @@ TEST(Faults, SayWhatIsWrong) {
   EXPECT_NE(check(Dead{.window = {.actuator = 4}}, four).find("actuator 4 does not exist"), std::string::npos);
   EXPECT_EQ(check(Dead{}, four), "fault dead: needs its actuator");
   EXPECT_NE(check(Dead{.window = {.actuator = 0, .t_on = 5, .t_off = 5}}, four).find("t_on"), std::string::npos);
+  EXPECT_EQ(check(Dead{.window = {.actuator = 0, .t_on = infinity}}, four), "");  // never
+  EXPECT_EQ(check(Intermittent{.window = {.actuator = 0, .t_on = infinity}}, four), "");
   EXPECT_NE(check(HardOver{.window = {.actuator = 0}, .sign = 0}, four).find("sign"), std::string::npos);
   EXPECT_EQ(check(HardOver{.window = {.actuator = 1}}, four),
             "fault hard_over: actuator 1 has no finite limit to run to");

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""Cells of a grid beside each other. They flew the same draws with the same noise, so that differences are paired.
+
+References
+----------
+.. [1] H. Robbins, Ann. Math. Stat. 41 (1970): intervals that hold however often they are looked at
+.. [2] Q. McNemar, Psychometrika 12 (1947)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize, special, stats
+
+from gyrostat.campaign.results import CampaignResult
+from gyrostat.errors import InputError, suggestion
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A cell beside the reference.
+
+    Attributes
+    ----------
+    cell
+        Its label.
+    runs, failures
+        Of all of its flights.
+    interval
+        Of the failure rate.
+    lost, saved
+        Runs that it lost and the reference did not, and the reverse.
+    p
+        McNemar's exact p that it loses as often as the reference; 1 for the reference itself.
+    """
+
+    cell: str
+    runs: int
+    failures: int
+    interval: tuple[float, float]
+    lost: int
+    saved: int
+    p: float
+
+
+def rate_interval(failures: int, runs: int, confidence: float = 0.95) -> tuple[float, float]:
+    """Interval of a rate that holds at this confidence whenever one stops, by Robbins' beta-binomial mixture [1]_."""
+    S, n = failures, runs
+    level = special.betaln(S + 0.5, n - S + 0.5) - special.betaln(0.5, 0.5) + math.log(1.0 - confidence)
+
+    def excess(p: float) -> float:
+        return float(level - special.xlogy(S, p) - special.xlog1py(n - S, -p))
+
+    tiny, middle = 1e-300, S / n
+    low = 0.0 if S == 0 else optimize.brentq(excess, tiny, middle, xtol=1e-15)
+    high = 1.0 if n == S else optimize.brentq(excess, middle if S else tiny, 1.0 - 2.0**-53, xtol=1e-15)
+    return float(low), float(high)
+
+
+def compare(found: CampaignResult, reference: str | None = None) -> list[Comparison]:
+    """Every cell against a reference, the first one if absent. All rows must be kept.
+
+    Raises
+    ------
+    InputError
+        No such cell, or a campaign that keeps failures alone.
+    """
+    cells = list(found.counts)
+    base = cells[0] if reference is None else reference
+    if base not in cells:
+        raise InputError(f"no cell '{base}'{suggestion(base, cells)}")
+    success = np.concatenate([np.asarray(t.column("success"), dtype=bool) for t in found.tables(["success"])])
+    if len(success) != len(cells) * found.runs:
+        raise InputError(f"{found.folder}: keeps failures alone; cells are compared run by run")
+    by_cell = dict(zip(cells, success.reshape(-1, len(cells)).T, strict=True))
+    return [_compared(label, ok, by_cell[base]) for label, ok in by_cell.items()]
+
+
+def _compared(label: str, ok: NDArray[np.bool_], base: NDArray[np.bool_]) -> Comparison:
+    lost, saved = int(np.count_nonzero(~ok & base)), int(np.count_nonzero(ok & ~base))
+    p = 1.0 if lost + saved == 0 else float(stats.binomtest(lost, lost + saved).pvalue)
+    failures = int(np.count_nonzero(~ok))
+    return Comparison(label, len(ok), failures, rate_interval(failures, len(ok)), lost, saved, p)
+
+
+__all__ = ["Comparison", "compare", "rate_interval"]
