@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from gyrostat import toml
+from gyrostat.campaign.limits import MOST_RUNS
 from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.model import Model
 from gyrostat.verification.sensitivity import first_order
@@ -141,7 +142,7 @@ class RequirementFile(Model):
     """``requirement.toml``: a campaign, how many runs at most, and requirements."""
 
     campaign: str
-    max_runs: Annotated[int, Field(ge=1, le=10**12)]
+    max_runs: Annotated[int, Field(ge=1, le=MOST_RUNS)]
     familywise: bool = False
     requirement: Annotated[list[Requirement], Field(min_length=1)]
 
