@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         references,
         sensors,
         vehicle,
+        verification,
         waveforms,
     )
     from gyrostat._core import Allocation, Demand, Detection, Estimate, Measurement, Reference, Setup, __version__
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
     from gyrostat.results import Event, Result
     from gyrostat.scenario import Record, Scenario, Shadow
     from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
+    from gyrostat.verification.flown import rare, tune, worst
+    from gyrostat.verification.requirements import verify
 
 __all__ = [
     "Allocation",
@@ -94,11 +97,16 @@ __all__ = [
     "papers",
     "plots",
     "protocols",
+    "rare",
     "reference",
     "references",
     "sensors",
+    "tune",
     "vehicle",
+    "verification",
+    "verify",
     "waveforms",
+    "worst",
 ]
 
 _homes = {
@@ -119,6 +127,8 @@ _homes = {
     "results": ["Event", "Result"],
     "scenario": ["Record", "Scenario", "Shadow"],
     "vehicle": ["Flexible", "Initial", "Truth", "Vehicle"],
+    "verification.flown": ["rare", "tune", "worst"],
+    "verification.requirements": ["verify"],
 }
 _home_of = {name: home for home, names in _homes.items() for name in names}
 

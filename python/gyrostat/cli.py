@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The command ``gyrostat``.
 
-Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early or flew without a command, 5 a campaign
-found the disk full.
+Exit status: 0 done, 1 a claim or check failed, 2 bad input, 3 a run ended early or flew without a command, 4 no
+verdict on a requirement, 5 a campaign found the disk full.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from gyrostat import _core, cli_campaign, printing, toml
+from gyrostat import _core, cli_campaign, cli_verification, printing, toml
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import abandon, checked_target, made_folder, write_text
 from gyrostat.scenario import Scenario, shipped
@@ -513,6 +513,7 @@ def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = 
 
 
 app.add_typer(cli_campaign.app, name="campaign")
+cli_verification.register(app)
 
 
 def _scenario(name: str, settings: Sequence[str] | None) -> Scenario:
