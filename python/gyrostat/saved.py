@@ -34,6 +34,7 @@ class SavedEvent(Model):
     t: _Time
     name: str
     count: int
+    what: str = ""
 
 
 class Facts(Model):
