@@ -14,13 +14,14 @@
 
 namespace gyrostat::test {
 
-template <class O, class D, class C, class A>
+/// Of observer, detector, controller, allocator and, if it likes, navigator.
+template <class O, class... Others>
 auto stack_of(const Setup<typename O::Scalar>& s) {
-  return by_default<FlightStack<O, D, C, A>>(s);
+  return by_default<FlightStack<O, Others...>>(s);
 }
 
 /// Calls `with` for stacks that between them hold every component of four lists (observers, detectors, controllers,
-/// allocators): the i-th stack has the i-th of each, counted round.
+/// allocators) or five (navigators): the i-th stack has the i-th of each, counted round.
 template <class S, class... Lists>
 void for_every_component(const Setup<S>& s, auto&& with) {
   constexpr std::size_t stacks = std::max({Lists::count...});

@@ -74,7 +74,8 @@ void expect_completed(const Table& scenario, const std::string& what) {
 TEST(ShortLoops, EveryPartOfTheCatalogueFlies) {
   int flown = 0;
   for (const auto& [family, names] : families()) {
-    if (family == "vehicle" || family == "truth" || family == "initial" || family == "run") continue;
+    if (family == "vehicle" || family == "truth" || family == "flexible" || family == "initial" || family == "run")
+      continue;
     for (const std::string& name : names) {
       expect_completed(with(family, name), family + " " + name);
       ++flown;
@@ -88,6 +89,12 @@ TEST(ShortLoops, FrictionMomentumAndOutputLimits) {
   s.set("truth",
         Table{{"viscous_friction", 1e-4}, {"coulomb_friction", 1e-3}, {"momentum_max", 0.05}, {"limit_on", "output"}});
   expect_completed(s, "friction");
+}
+
+TEST(ShortLoops, AppendagesThatBend) {
+  Table s = base();
+  s.set("flexible", Table{{"delta", List{row({0.9, -0.4, 0.3}), row({0.1, 0.5, -0.7})}}, {"omega", row({1.5, 3})}});
+  expect_completed(s, "flexible");
 }
 
 TEST(ShortLoops, EveryObserverAsAShadow) {

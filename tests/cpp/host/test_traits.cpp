@@ -40,14 +40,15 @@ Quat<double> renamed(const Quat<double>& q, const Mat3<double>& R) {
 }
 
 /// A slew under a moving reference with a constant torque and, from half of the time on, a weak actuator; the second stack is
-/// fed with the same motion in renamed axes. Largest difference between the commands, over the largest command.
+/// fed with the same motion in renamed axes. Largest difference between the commands, over the largest command, or between what the
+/// observers find.
 double difference(const host::Assembly& a, const Mat3<double>& R) {
   host::Stack one = host::make_stack(a, {}), other = host::make_stack(renamed(a, R), {});
   Body body(a.setup.vehicle);
   body.q_NB = quat_from_mrp<double>({0.1, 0.2, -0.3});
   body.omega_BN_B = {0.01, -0.02, 0.03};
   body.d_B = {2e-3, -3e-3, 1e-3};
-  double worst = 0, largest = 0;
+  double worst = 0, largest = 0, found = 0;
   for (Tick k = 0; k < 400; ++k) {
     if (k == 200) body.effectiveness[1] = 0.5;
     Measurement<double> y = body.measured<double>(k), z = y;
@@ -63,10 +64,11 @@ double difference(const host::Assembly& a, const Mat3<double>& R) {
     const VecN<double>& u = one.step(y, ref).u;
     worst = std::max(worst, (u - other.step(z, moved).u).cwiseAbs().maxCoeff());
     largest = std::max(largest, u.cwiseAbs().maxCoeff());
-    EXPECT_LT((R * one.estimate().d_B - other.estimate().d_B).norm(), 1e-9 * (1 + one.estimate().d_B.norm())) << k;
+    const Vec3<double>& d_B = one.estimate().d_B;
+    found = std::max(found, (R * d_B - other.estimate().d_B).norm() / (1 + d_B.norm()));
     body.advance(u, 0.01);
   }
-  return worst / std::max(largest, 1e-3);
+  return std::max(worst / std::max(largest, 1e-3), found);
 }
 
 TEST(Traits, AnAxiswiseComponentDoesNotKnowTheNamesOfTheBodyAxes) {

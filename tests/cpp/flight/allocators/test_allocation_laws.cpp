@@ -111,7 +111,7 @@ TEST_P(AllocationLaws, TheShortWayInsideTheLimitsEndsWhereTheLongOneDoes) {
       for (int step = 0; step < 4; ++step) {
         const Outcome a = solver->solve(p), b = other->solve(longer);
         const Eigen::VectorXd u = eigen(a.command), v = eigen(b.command);
-        ASSERT_LE((u - v).cwiseAbs().maxCoeff(), command) << k;
+        ASSERT_LE((u - v).cwiseAbs().maxCoeff(), rounding) << k;
         EXPECT_LE(std::abs(double(a.residual_norm - b.residual_norm)), rounding) << k;
         EXPECT_EQ(a.status, b.status) << k;
         EXPECT_GE(a.gap, 0) << k;
