@@ -28,6 +28,8 @@ int replay(const std::string& name, const char* scalar) {
     double q_NB[4], omega_BN_B[3], d_B[3], effectiveness[Stack::actuators], effectiveness_bound[Stack::actuators];
     std::uint16_t changed, failed, enabled;
     std::uint32_t events;
+    std::uint8_t fault_class[Stack::actuators];
+    double gain[Stack::actuators], bias[Stack::actuators];
   } state = {};
 
   auto made = Stack::make();
@@ -67,6 +69,9 @@ int replay(const std::string& name, const char* scalar) {
     count(state.failed);
     count(state.enabled);
     count(state.events);
+    for (const std::uint8_t fault_class : state.fault_class) count(fault_class);
+    write(state.gain);
+    write(state.bias);
   }
   std::fclose(in);
   return std::fclose(out);
