@@ -513,6 +513,7 @@ def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = 
 
 
 app.add_typer(cli_campaign.app, name="campaign")
+app.command()(cli_campaign.report)
 cli_verification.register(app)
 
 
