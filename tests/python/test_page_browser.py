@@ -315,8 +315,9 @@ def test_the_page_of_a_campaign_is_light_and_dark(driver: webdriver.Chrome, tmp_
     for theme in ("light", "dark"):
         shown = Page(driver, path, f"#theme={theme}")
         seen[theme] = shown.run(
-            "const line = document.querySelector('#distributions .line'), box = line.closest('svg').getBoundingClientRect();"
-            "return [getComputedStyle(document.body).backgroundColor, getComputedStyle(line).stroke, box.width > 300 && box.height > 100]"
+            "const line = document.querySelector('#distributions .line');"
+            "const box = line.closest('svg').getBoundingClientRect(), style = getComputedStyle;"
+            "return [style(document.body).backgroundColor, style(line).stroke, box.width > 300 && box.height > 100]"
         )
         assert seen[theme][2]
         widths = shown.run("return [document.documentElement.scrollWidth, window.innerWidth]")
