@@ -14,18 +14,20 @@ from gyrostat import printing
 from gyrostat.errors import FileError, InputError
 
 
-class _FileFirst(TyperGroup):
+class FirstCommand(TyperGroup):
     """``gyrostat campaign FILE`` is short for ``gyrostat campaign fly FILE``."""
+
+    default = "fly"
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """As they were meant."""
         if args and not args[0].startswith("-") and args[0] not in self.commands:
-            args = ["fly", *args]
+            args = [self.default, *args]
         return super().parse_args(ctx, args)
 
 
 app = typer.Typer(
-    cls=_FileFirst,
+    cls=FirstCommand,
     no_args_is_help=True,
     help="""Fly a campaign: many flights with drawn inputs and sampled faults, resumable, the same bits anywhere.
 
@@ -187,4 +189,4 @@ def _chunks(text: str) -> tuple[int, int]:
     return int(a), int(b)
 
 
-__all__ = ["FULL_DISK", "app", "report"]
+__all__ = ["FULL_DISK", "FirstCommand", "app", "report"]
