@@ -72,6 +72,7 @@ def score(
     Examples: `gyrostat dataset score set --observer joint_kalman`, `gyrostat dataset score set --declared mine.csv`
     """
     from gyrostat import dataset
+    from gyrostat.detection import ANSWERS
 
     given = None if declared is None else {declared.stem: _declarations(declared)}
     with printing.progress("scoring") as progress:
@@ -82,17 +83,16 @@ def score(
         told = [
             {"name": s.name, "refused": s.refused, "delay": None if math.isnan(s.delay) else s.delay,
              "false_alarms_per_hour": s.false_alarms_per_hour, "isolation": s.isolation.tolist(),
-             "answers": {a: s.count(a) for a in dataset.detection.ANSWERS}}
+             "answers": {a: s.count(a) for a in ANSWERS}}
             for s in found.scores
         ]  # fmt: skip
         printing.as_json({"scores": told, "faults": found.faults, "silent": found.silent, "confused": found.confused})
         return
-    answers = dataset.detection.ANSWERS
-    rows: list[tuple[str, ...]] = [("detector", *answers, "median delay, s", "false alarms an hour")]
+    rows: list[tuple[str, ...]] = [("detector", *ANSWERS, "median delay, s", "false alarms an hour")]
     for s in found.scores:
         if s.refused is None:
             delay = "–" if math.isnan(s.delay) else f"{s.delay:.3g}"
-            rows.append((s.name, *(str(s.count(a)) for a in answers), delay, f"{s.false_alarms_per_hour:.3g}"))
+            rows.append((s.name, *(str(s.count(a)) for a in ANSWERS), delay, f"{s.false_alarms_per_hour:.3g}"))
     printing.columns(rows)
     for s in found.scores:
         if s.refused is not None:
