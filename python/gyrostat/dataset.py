@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from gyrostat import detection
 from gyrostat._core import catalogue
 from gyrostat.campaign import Campaign
-from gyrostat.errors import InputError, input_errors, suggestion
+from gyrostat.errors import InputError, suggestion
 from gyrostat.files import file_errors, replacing_folder, write_text
 from gyrostat.scenario import Scenario, shipped
 
@@ -34,6 +34,8 @@ CHANNELS = (
     "allocation.u",
 )
 """What a detector may read: measurements, and the command."""
+REFUSED = "refused"
+"""Status of a run whose draws no vehicle can have; it has no samples."""
 _labels = ("run", "actuator", "kind", "severity", "t_on", "t_off")
 
 
@@ -86,7 +88,7 @@ def make(
     Raises
     ------
     InputError
-        No runs, Python components, or a run that fits no vehicle.
+        No runs, Python components, or more than half of the runs refused; fewer are flights of status ``refused``.
     """
     import pyarrow as pa
     from pyarrow import parquet
@@ -101,17 +103,25 @@ def make(
         writer: Any = None
         try:
             for run in range(runs):
-                scenario, flown = _flown(campaign, run, cell, list(CHANNELS), every)
+                try:
+                    scenario = campaign.scenario(run, cell)
+                except InputError as error:  # drawn faults that contradict each other, as in a campaign
+                    flights.append({"run": run, "status": REFUSED, "t_end": 0.0, "cause": str(error)})
+                    continue
+                flown = scenario.run(channels=list(CHANNELS), every=every)
                 table = pa.table(_samples(flown, run))
                 writer = writer or parquet.ParquetWriter(folder / "samples.parquet", table.schema, compression="zstd")
                 writer.write_table(table)
                 labels += _labelled(scenario, run, flown.end_time)
-                flights.append({"run": run, "status": flown.status, "t_end": flown.end_time})
+                flights.append({"run": run, "status": flown.status, "t_end": flown.end_time, "cause": flown.cause})
                 if progress is not None:
                     progress((run + 1) / runs)
         finally:
             if writer is not None:
                 writer.close()
+        refused = [row for row in flights if row["status"] == REFUSED]
+        if 2 * len(refused) > runs:
+            raise InputError(f"{len(refused)} of {runs} flights are refused, the first because: {refused[0]['cause']}")
         types = [pa.int64(), pa.int64(), pa.string(), pa.float64(), pa.float64(), pa.float64()]
         schema = pa.schema(list(zip(_labels, types, strict=True)))
         parquet.write_table(pa.Table.from_pylist(labels, schema=schema), folder / "labels.parquet")
@@ -219,26 +229,27 @@ def score(
     campaign = Campaign.from_dict(about["campaign"])
     runs, cell = int(about["runs"]), about["cell"]
     n = campaign.base.vehicle.actuators
-    ends = _ends(Path(folder))
-    by_run = {run: [c for r, *c in labels if r == run] for run in range(runs)}
-    silent, confused = _hidden(Path(folder), campaign, labels, horizon)
+    flights = _flights(Path(folder))
+    flew = [run for run in range(runs) if flights[run]["status"] != REFUSED]
+    by_run = {run: [c for r, *c in labels if r == run] for run in flew}
+    silent, confused = _hidden(Path(folder), campaign, labels, flew, horizon)
     said: dict[str, list[list[tuple[float, int]]]] = {}
     refused: dict[str, str] = {}
     if declared is not None:
         for name, given in declared.items():
             entries = sorted(given)
-            said[name] = [[(t, mask) for r, t, mask in entries if r == run] for run in range(runs)]
+            said[name] = [[(t, mask) for r, t, mask in entries if r == run] for run in flew]
     else:
         pairs = _pairs(observers, detectors)
-        refused = _refused(campaign.scenario(0, cell), pairs)
+        refused = _refused(campaign.scenario(flew[0], cell), pairs)
         flying = {label: pair for label, pair in pairs.items() if label not in refused}
         said = {label: [] for label in flying}
-        for run in range(runs if flying else 0):
+        for run in flew if flying else ():
             for label, found in _declared(campaign.scenario(run, cell), flying).items():
                 said[label].append(found)
             if progress is not None:
                 progress((run + 1) / runs)
-    hours = sum(ends) / 3600.0
+    hours = sum(float(row["t_end"]) for row in flights) / 3600.0
     scores = [_scored(name, by_run, given, n, hours, horizon) for name, given in said.items()]
     scores += [Score(name, (), 0, hours, np.zeros((n, n + 2), int), why) for name, why in refused.items()]
     return Scores(tuple(scores), len(labels), silent, confused)
@@ -254,7 +265,7 @@ def _scored(
     hours, horizon = how
     changes: list[detection.Change] = []
     false, isolation = 0, np.zeros((n, n + 2), int)
-    for run, given in enumerate(declarations):
+    for run, given in zip(by_run, declarations, strict=True):
         wanted = [(t, actuator, -severity) for t, actuator, severity in sorted(by_run[run])]
         found, alarms, told = detection.evaluate(wanted, given, n, horizon)
         changes += found
@@ -299,12 +310,6 @@ def _declared(scenario: Scenario, pairs: Mapping[str, tuple[str, str]]) -> dict[
     roles = {label: f"shadow{k}" for k, label in enumerate(pairs)}
     flown = beside.run(channels=[f"{r}.{p}" for r in roles.values() for p in parts if f"{r}.{p}" in names])
     return {label: detection.declarations(flown, role) for label, role in roles.items()}
-
-
-def _flown(campaign: Campaign, run: int, cell: str | None, channels: list[str], every: int) -> tuple[Scenario, Any]:
-    with input_errors(f"run {run}"):
-        scenario = campaign.scenario(run, cell)
-        return scenario, scenario.run(channels=channels, every=every)
 
 
 def _samples(flown: Any, run: int) -> dict[str, Any]:
@@ -359,15 +364,19 @@ def _read(folder: Path) -> tuple[dict[str, Any], list[tuple[int, float, int, flo
     return about, [(r["run"], r["t_on"], r["actuator"], r["severity"]) for r in rows]
 
 
-def _ends(folder: Path) -> list[float]:
+def _flights(folder: Path) -> list[dict[str, Any]]:
     from pyarrow import parquet
 
     with file_errors(folder / "flights.parquet", "cannot be read"):
-        return [float(t) for t in parquet.read_table(folder / "flights.parquet").column("t_end").to_pylist()]
+        return list(parquet.read_table(folder / "flights.parquet").to_pylist())
 
 
 def _hidden(
-    folder: Path, campaign: Campaign, labels: Sequence[tuple[int, float, int, float]], horizon: float
+    folder: Path,
+    campaign: Campaign,
+    labels: Sequence[tuple[int, float, int, float]],
+    flew: Sequence[int],
+    horizon: float,
 ) -> tuple[int, int]:
     """Faults that the commands after them leave without a trace, or with that of another actuator."""
     from pyarrow import parquet
@@ -378,7 +387,7 @@ def _hidden(
     with file_errors(folder / "samples.parquet", "cannot be read"):
         file = parquet.ParquetFile(folder / "samples.parquet")
         for run in sorted({run for run, *_ in labels}):
-            rows = file.read_row_group(run, columns=["t", *names])
+            rows = file.read_row_group(flew.index(run), columns=["t", *names])
             t, u = rows.column("t").to_numpy(), np.column_stack([rows.column(name).to_numpy() for name in names])
             for _, t_on, actuator, _ in (label for label in labels if label[0] == run):
                 within = u[(t >= t_on) & (t <= t_on + horizon)]

@@ -122,6 +122,27 @@ def test_a_scenario_is_a_source_and_commands_say_it(tmp_path: Path) -> None:
     assert "not identifiable within 4 s: of 2 faults" in done.output
 
 
+def test_faults_that_contradict_are_a_refused_flight(tmp_path: Path) -> None:
+    one = {"probability": 0.6, "actuator": 1, "t_on": 3.0}
+    both = [one | {"name": "a", "kind": [{"type": "dead"}]}, one | {"name": "b", "kind": [{"type": "lock"}]}]
+    campaign = gs.Campaign.from_dict(TABLES | {"fault": both})
+    kinds = campaign.draws(0, 12)
+    twice = (kinds["fault.a.0.kind"] != "none") & (kinds["fault.b.0.kind"] != "none")
+    assert 0 < twice.sum() <= 6
+    folder = dataset.make(campaign, 12, tmp_path / "set")
+    flights = pq.read_table(folder / "flights.parquet").to_pandas()
+    assert np.array_equal(flights.status == "refused", twice)
+    assert set(pq.read_table(folder / "samples.parquet").column("run").to_pylist()) == set(np.flatnonzero(~twice))
+    perfect = [(r["run"], r["t_on"] + 0.5, 1 << r["actuator"]) for r in labels(folder)]
+    (told,) = dataset.score(folder, declared={"perfect": perfect}).scores
+    assert told.count("isolated") == len(perfect) > 0
+    always = [fault | {"probability": 1.0} for fault in both]
+    with pytest.raises(gs.InputError, match="4 of 4 flights are refused, the first because: "):
+        dataset.make(gs.Campaign.from_dict(TABLES | {"fault": always}), 4, tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+    assert told.hours == pytest.approx(12.0 * (12 - twice.sum()) / 3600.0)
+
+
 def test_bad_input_is_one_line_and_nothing_is_written(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(gs.InputError, match=r"dataset\.json: cannot be read"):
         dataset.score(tmp_path)
