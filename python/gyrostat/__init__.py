@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         attitude,
         campaign,
         comparison,
+        dataset,
         design,
         disturbances,
         experiment,
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from gyrostat.experiment import Experiment, Flights
     from gyrostat.results import Event, Result
     from gyrostat.scenario import Record, Scenario, Shadow
+    from gyrostat.survival import survive
     from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
     from gyrostat.verification.requirements import verify
@@ -82,6 +84,7 @@ __all__ = [
     "campaign",
     "comparison",
     "controller",
+    "dataset",
     "design",
     "detection",
     "detector",
@@ -101,6 +104,7 @@ __all__ = [
     "reference",
     "references",
     "sensors",
+    "survive",
     "tune",
     "vehicle",
     "verification",
@@ -126,6 +130,7 @@ _homes = {
     "experiment": ["Experiment", "Flights"],
     "results": ["Event", "Result"],
     "scenario": ["Record", "Scenario", "Shadow"],
+    "survival": ["survive"],
     "vehicle": ["Flexible", "Initial", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from gyrostat import _core, cli_campaign, cli_verification, printing, toml
+from gyrostat import _core, cli_campaign, cli_dataset, cli_survival, cli_verification, printing, toml
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import abandon, checked_target, made_folder, write_text
 from gyrostat.scenario import Scenario, shipped
@@ -513,7 +513,10 @@ def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = 
 
 
 app.add_typer(cli_campaign.app, name="campaign")
+app.add_typer(cli_dataset.app, name="dataset")
+app.command()(cli_campaign.report)
 cli_verification.register(app)
+cli_survival.register(app)
 
 
 def _scenario(name: str, settings: Sequence[str] | None) -> Scenario:

@@ -14,18 +14,20 @@ from gyrostat import printing
 from gyrostat.errors import FileError, InputError
 
 
-class _FileFirst(TyperGroup):
+class FirstCommand(TyperGroup):
     """``gyrostat campaign FILE`` is short for ``gyrostat campaign fly FILE``."""
+
+    default = "fly"
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """As they were meant."""
         if args and not args[0].startswith("-") and args[0] not in self.commands:
-            args = ["fly", *args]
+            args = [self.default, *args]
         return super().parse_args(ctx, args)
 
 
 app = typer.Typer(
-    cls=_FileFirst,
+    cls=FirstCommand,
     no_args_is_help=True,
     help="""Fly a campaign: many flights with drawn inputs and sampled faults, resumable, the same bits anywhere.
 
@@ -157,6 +159,29 @@ def join(
         show.result(joined)
 
 
+def report(
+    folder: Folder,
+    against: Annotated[
+        str | None, typer.Option(metavar="CELL", help="Compare the cells with this one; the first if absent.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="PAGE.html", help="Instead of `report.html` in the folder.")
+    ] = None,
+) -> None:
+    """Write the page of a flown campaign: one HTML file below 1 MB that needs no network, light and dark.
+
+    It has failures with intervals, quantiles, cells run by run, failure rates by severity and onset, distributions,
+    what matters, the worst ten with the command that flies each again, how flights ended, and what all of it rests on.
+    The page of a folder of `gyrostat verify` has the verdict on top, and its evidence against runs.
+
+    Examples: `gyrostat report flown`, `gyrostat report five --against recommended --out five.html`
+    """
+    from gyrostat.campaign import CampaignResult
+
+    page = CampaignResult(folder).to_html(folder / "report.html" if out is None else out, against)
+    typer.echo(f"page: {page}")
+
+
 def _chunks(text: str) -> tuple[int, int]:
     a, colon, b = text.partition(":")
     if not colon or not all(part.isascii() and part.isdecimal() and len(part) < 13 for part in (a, b)):
@@ -164,4 +189,4 @@ def _chunks(text: str) -> tuple[int, int]:
     return int(a), int(b)
 
 
-__all__ = ["FULL_DISK", "app"]
+__all__ = ["FULL_DISK", "FirstCommand", "app", "report"]

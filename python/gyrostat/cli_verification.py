@@ -236,8 +236,9 @@ def _lines(commands: Sequence[str]) -> None:
 
 
 def _rerun(report: Report, judgement: Judgement, run: int) -> str:
-    cell = f" --cell {shlex.quote(judgement.cell)}" if judgement.cell else ""
-    return f"gyrostat campaign rerun {shlex.quote(str(report.folder))} {run}{cell}"
+    from gyrostat.campaign.printing import rerun_command
+
+    return rerun_command(report.folder, run, judgement.cell)
 
 
 def _print_report(report: Report) -> None:

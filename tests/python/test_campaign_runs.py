@@ -19,8 +19,9 @@ import pytest
 from scipy import special, stats
 
 import gyrostat as gs
-from gyrostat.campaign import Chunk, Sketch, State, compare, dist, join, rate_interval
+from gyrostat.campaign import Chunk, Sketch, State, compare, dist, join
 from gyrostat.campaign.printing import state_line
+from gyrostat.verification.sequential import rate_interval
 
 SET = {"duration": 6.0, "dt": 0.1, "integrator": "rk4", "faults": [], "sensors": [{"type": "gyro", "noise": 1e-6}]}
 FAULTS = [
@@ -170,7 +171,7 @@ def test_cells_are_compared_run_by_run(flown: gs.CampaignResult) -> None:
 @pytest.mark.parametrize(("failures", "runs"), [(0, 20), (3, 20), (20, 20), (1, 10**6), (10**6, 10**9)])
 def test_an_interval_ends_where_the_mixture_rejects(failures: int, runs: int) -> None:
     """At its ends the beta mixture is 20 times as likely as the rate; for small n, by numerical integration."""
-    low, high = rate_interval(failures, runs)
+    low, high = rate_interval(runs, failures)
     assert 0.0 <= low <= failures / runs <= high <= 1.0
     for p in (low, high):
         if 0.0 < p < 1.0:

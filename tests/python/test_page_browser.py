@@ -301,6 +301,33 @@ def test_a_page_without_its_script_says_so(driver: webdriver.Chrome, degraded: g
     assert text == f"{writer._script_name()} is missing beside this page: the plots need it."
 
 
+def test_the_page_of_a_campaign_is_light_and_dark(driver: webdriver.Chrome, tmp_path: Path) -> None:
+    made = gs.Campaign(
+        "wheel2_degraded",
+        set={"duration": 5.0, "dt": 0.1, "integrator": "rk4"},
+        vary={"faults.0.remaining": gs.campaign.dist.uniform(0.0, 1.0)},
+        measure={"final": {"metric": "final", "signal": "error.angle"}},
+        success={"final": {"below": 0.5}},
+        grids=[{"name": "controller", "of": ["mrp_feedback", "sliding_mode"]}],
+    )
+    path = made.run(100, out=tmp_path / "flown").to_html(tmp_path / "page.html")
+    seen = {}
+    for theme in ("light", "dark"):
+        shown = Page(driver, path, f"#theme={theme}")
+        seen[theme] = shown.run(
+            "const line = document.querySelector('#distributions .line');"
+            "const box = line.closest('svg').getBoundingClientRect(), style = getComputedStyle;"
+            "return [style(document.body).backgroundColor, style(line).stroke, box.width > 300 && box.height > 100]"
+        )
+        assert seen[theme][2]
+        widths = shown.run("return [document.documentElement.scrollWidth, window.innerWidth]")
+        assert widths[0] <= widths[1]
+        assert driver.get_log("browser") == []
+    assert all(a != b for a, b in zip(seen["light"][:2], seen["dark"][:2], strict=True))
+    driver.find_element(By.ID, "theme").click()
+    assert shown.run("return getComputedStyle(document.body).backgroundColor") == seen["light"][0]
+
+
 def crowd() -> gs.Scenario:
     """Sixteen actuators, wheels and torquers, two on one axis, one without an axis, three faults."""
     rng = np.random.default_rng(1)

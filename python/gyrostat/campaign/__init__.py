@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from gyrostat.campaign.campaign import Campaign
     from gyrostat.campaign.catalogue import shipped
     from gyrostat.campaign.chunks import Chunk
-    from gyrostat.campaign.comparing import Comparison, compare, rate_interval
+    from gyrostat.campaign.comparing import Comparison, compare
     from gyrostat.campaign.flights import Outcome
     from gyrostat.campaign.inputs import Draws
     from gyrostat.campaign.joining import join
@@ -32,7 +32,6 @@ __all__ = [
     "compare",
     "dist",
     "join",
-    "rate_interval",
     "shipped",
 ]
 
@@ -48,7 +47,6 @@ _home_of = {
     "State": "running",
     "compare": "comparing",
     "join": "joining",
-    "rate_interval": "comparing",
     "shipped": "catalogue",
 }
 

@@ -1,23 +1,20 @@
 # SPDX-License-Identifier: MIT
 """Cells of a grid beside each other. They flew the same draws with the same noise, so that differences are paired.
 
-References
-----------
-.. [1] H. Robbins, Ann. Math. Stat. 41 (1970): intervals that hold however often they are looked at
-.. [2] Q. McNemar, Psychometrika 12 (1947)
+Reference: Q. McNemar, Psychometrika 12 (1947).
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize, special, stats
+from scipy import stats
 
 from gyrostat.campaign.results import CampaignResult
 from gyrostat.errors import InputError, suggestion
+from gyrostat.verification.sequential import rate_interval
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,7 @@ class Comparison:
     runs, failures
         Of all of its flights.
     interval
-        Of the failure rate.
+        Of the failure rate, 95 %, by `gyrostat.verification.sequential.rate_interval`.
     lost, saved
         Runs that it lost and the reference did not, and the reverse.
     p
@@ -45,20 +42,6 @@ class Comparison:
     lost: int
     saved: int
     p: float
-
-
-def rate_interval(failures: int, runs: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Interval of a rate that holds at this confidence whenever one stops, by Robbins' beta-binomial mixture [1]_."""
-    S, n = failures, runs
-    level = special.betaln(S + 0.5, n - S + 0.5) - special.betaln(0.5, 0.5) + math.log(1.0 - confidence)
-
-    def excess(p: float) -> float:
-        return float(level - special.xlogy(S, p) - special.xlog1py(n - S, -p))
-
-    tiny, middle = 1e-300, S / n
-    low = 0.0 if S == 0 else optimize.brentq(excess, tiny, middle, xtol=1e-15)
-    high = 1.0 if n == S else optimize.brentq(excess, middle if S else tiny, 1.0 - 2.0**-53, xtol=1e-15)
-    return float(low), float(high)
 
 
 def compare(found: CampaignResult, reference: str | None = None) -> list[Comparison]:
@@ -84,7 +67,7 @@ def _compared(label: str, ok: NDArray[np.bool_], base: NDArray[np.bool_]) -> Com
     lost, saved = int(np.count_nonzero(~ok & base)), int(np.count_nonzero(ok & ~base))
     p = 1.0 if lost + saved == 0 else float(stats.binomtest(lost, lost + saved).pvalue)
     failures = int(np.count_nonzero(~ok))
-    return Comparison(label, len(ok), failures, rate_interval(failures, len(ok)), lost, saved, p)
+    return Comparison(label, len(ok), failures, rate_interval(len(ok), failures), lost, saved, p)
 
 
-__all__ = ["Comparison", "compare", "rate_interval"]
+__all__ = ["Comparison", "compare"]

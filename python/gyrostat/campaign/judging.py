@@ -22,7 +22,8 @@ from gyrostat.errors import InputError, suggestion
 LOST = 3.0
 """Margin of a flight that ended at its very end; one that ended at once has one more."""
 
-_may_be_nan = ("settling_time", "recovery", "first_reach")
+TIMES = ("settling_time", "recovery", "first_reach")
+"""Metrics without a value where what they wait for does not happen."""
 _smallest = sys.float_info.min
 
 
@@ -54,14 +55,14 @@ class Judge:
                 raise InputError(f"margin: no measure '{margin}'{suggestion(margin, measures)}")
             if margin not in spec.success:
                 raise InputError(f"margin: '{margin}' has no limit in [success]")
-            if (metric := str(measures[margin].get("metric"))) in _may_be_nan:
+            if (metric := str(measures[margin].get("metric"))) in TIMES:
                 raise InputError(
                     f"margin: '{margin}' is not finite for every flight: {metric} is nan where it does not happen; "
                     "take the size itself, e.g. window_max"
                 )
         elif len(spec.success) == 1:
             (only,) = spec.success
-            margin = None if measures[only].get("metric") in _may_be_nan else only
+            margin = None if measures[only].get("metric") in TIMES else only
         return cls(spec.success, margin, duration)
 
     def successes(self, completed: NDArray[np.bool_], measures: Mapping[str, Array]) -> NDArray[np.bool_]:
@@ -111,4 +112,4 @@ def _distance(x: Array, limit: float, scale: str) -> Array:
     return np.log10(np.maximum(x, _smallest)) - math.log10(limit)
 
 
-__all__ = ["LOST", "Judge"]
+__all__ = ["LOST", "TIMES", "Judge"]

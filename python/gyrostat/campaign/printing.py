@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import math
+import shlex
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -89,6 +91,12 @@ def comparison(found: CampaignResult, reference: str | None) -> None:
     columns(lines)
 
 
+def rerun_command(folder: Path, run: int, cell: str = "") -> str:
+    """The command that flies a run again, by itself."""
+    chosen = f" --cell {shlex.quote(cell)}" if cell else ""
+    return f"gyrostat campaign rerun {shlex.quote(str(folder))} {run}{chosen}"
+
+
 def as_table(found: CampaignResult) -> dict[str, Any]:
     """As JSON."""
     return {
@@ -135,4 +143,4 @@ def _shown(value: Any) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-__all__ = ["as_table", "comparison", "duration", "hashes", "progress", "rerun", "result", "state_line"]
+__all__ = ["as_table", "comparison", "duration", "hashes", "progress", "rerun", "rerun_command", "result", "state_line"]

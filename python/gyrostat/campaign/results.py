@@ -154,6 +154,20 @@ class CampaignResult:
                         return dict(row)
         return None
 
+    def to_html(self, path: str | Path, against: str | None = None) -> Path:
+        """Write the page of the campaign, one file that needs no network; see `gyrostat.page.campaign`.
+
+        Parameters
+        ----------
+        path
+            A file that ends in ``.html``, or a folder for ``index.html``.
+        against
+            The cell with which the others are compared, run by run; the first one if absent.
+        """
+        from gyrostat.page.campaign import write_campaign_page
+
+        return write_campaign_page(path, self, against)
+
     def keep_trajectories(self) -> list[Path]:
         """Fly the runs once more whose trajectories are to be kept, as far as their files are not there."""
         keep = None if self.manifest["campaign"] is None else self.campaign.spec.keep.trajectories

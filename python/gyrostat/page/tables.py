@@ -64,7 +64,7 @@ def of_runs(results: Mapping[str, Result]) -> str:
         f"<details><summary>{escape(label)}</summary><pre>{escape(_text(r, len(results)))}</pre></details>"
         for label, r in results.items()
     )
-    parts = [("Metrics", _table(head, rows)), ("Scenarios", scenarios)]
+    parts = [("Metrics", table(head, rows)), ("Scenarios", scenarios)]
     return "".join(f'<div class="whole"><h2>{heading}</h2>{body}</div>' for heading, body in parts)
 
 
@@ -84,7 +84,7 @@ def _metrics(result: Result) -> str:
     values = result.metrics.to_dict()
     rows = [[name.replace("_", " "), shown(values[name], UNITS[name])] for name in UNITS]
     rows += [[f"integrator: {key.replace('_', ' ')}", f"{value}"] for key, value in result.statistics.items()]
-    return _table(("metric", "value"), rows)
+    return table(("metric", "value"), rows)
 
 
 def _events(result: Result) -> str:
@@ -92,14 +92,14 @@ def _events(result: Result) -> str:
         [name, str(n), f"{first:.6g} s", f"{last:.6g} s"] for name, n, first, last in sorted(marks.counts(result))
     ]
     faults = [[m.text, f"{m.t:g} s", f"{m.end:g} s"] for m in marks.faults(result)]
-    parts = [_table(("fault", "from", "to"), faults[:_most_events])] if faults else []
-    parts += [_table(("event", "times", "first", "last"), counted)] if counted else []
+    parts = [table(("fault", "from", "to"), faults[:_most_events])] if faults else []
+    parts += [table(("event", "times", "first", "last"), counted)] if counted else []
     if counted:
         single = [[f"{e.t:.6g} s", e.name, str(e.count), e.what] for e in result.events[:_most_events]]
         rest = len(result.events) - len(single)
         more = f'<p class="dim">{rest} later ones are in the saved result.</p>' if rest else ""
         parts.append(
-            f"<details><summary>one by one</summary>{_table(('time', 'event', 'count', 'of'), single)}{more}</details>"
+            f"<details><summary>one by one</summary>{table(('time', 'event', 'count', 'of'), single)}{more}</details>"
         )
     return "<p></p>".join(parts) or '<p class="dim">None.</p>'
 
@@ -121,7 +121,8 @@ def _text(result: Result, share: int = 1) -> str:
     return text if len(text) <= most else f"{text[:most]}\n# ... {len(text) - most} more characters"
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Cells of text; the first row names the columns."""
     return f'<div class="wide tall"><table>{"".join(_lines(head, rows))}</table></div>'
 
 

@@ -27,8 +27,9 @@ from gyrostat.results import Result
 MOST_RUNS = 40
 """Runs that one page lays over each other."""
 
-_generator = "gyrostat page"
-_scripts = ("data.js", "body.js", "panels.js", "player.js")
+GENERATOR = "gyrostat page"
+"""By which a page is known as ours."""
+_scripts = ("theme.js", "data.js", "body.js", "panels.js", "player.js")
 
 
 def write_page(
@@ -85,7 +86,7 @@ def page_path(path: str | Path) -> Path:
     if target.exists():
         with target.open(encoding="utf-8", errors="replace") as file:
             start = file.read(2000)
-        if f'content="{_generator}' not in start:
+        if f'content="{GENERATOR}' not in start:
             raise InputError(f"{target}: is there already and is not a page of gyrostat; choose another folder")
     return target
 
@@ -130,17 +131,17 @@ def _page(runs: Mapping[str, Result], title: str, *, single_file: bool) -> str:
     alone = len(results) == 1
     name = title or (str(first.description.get("name") or "run") if alone else "Runs compared")
     about = str(first.description.get("description", "")) if alone else "A colour a run; click a name to hide it."
-    script = "\n".join(_asset(part) for part in _scripts).replace("{{plotly_file}}", _script_name())
+    script = "\n".join(asset(part) for part in _scripts).replace("{{plotly_file}}", _script_name())
     data = json.dumps(made.data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     plotly = f"<script>{_plotly().decode()}</script>" if single_file else f'<script src="{_script_name()}"></script>'
-    return _filled(
-        _asset("page.html"),
+    return filled(
+        asset("page.html"),
         {
-            "generator": f"{_generator} {__version__}",
+            "generator": f"{GENERATOR} {__version__}",
             "version": escape(__version__),
             "title": escape(name),
             "description": escape(about),
-            "style": _asset("page.css"),
+            "style": asset("page.css"),
             "chips": tables.chips(first) if alone else "",
             "tables": tables.of_run(first) if alone else tables.of_runs(runs),
             "data_note": escape(_said(made, results)),
@@ -176,11 +177,13 @@ def _notes(results: list[Result]) -> str:
     return f'<p class="dim" id="missing">Not recorded{whose}: {said}. Name them in <code>[record] channels</code>.</p>'
 
 
-def _filled(template: str, values: Mapping[str, str]) -> str:
+def filled(template: str, values: Mapping[str, str]) -> str:
+    """A template with its ``{{names}}`` filled in."""
     return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], template)
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """The text of a file of ``assets``."""
     return (files("gyrostat.page") / "assets" / name).read_text(encoding="utf-8")
 
 

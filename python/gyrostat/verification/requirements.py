@@ -8,6 +8,7 @@ Page: docs/verification.md
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from pydantic import Field, model_validator
 from gyrostat import toml
 from gyrostat.campaign.limits import MOST_RUNS
 from gyrostat.errors import InputError, input_errors, suggestion
+from gyrostat.files import file_errors, write_text
 from gyrostat.model import Model
 from gyrostat.verification.sensitivity import first_order
 from gyrostat.verification.sequential import (
@@ -44,6 +46,8 @@ LISTED = 5
 GROWTH = 0.1
 """Share of the flown runs that is flown before the next look."""
 SENSITIVITY_RUNS = 100_000
+VERIFIED = "requirements.json"
+"""In a folder: what was verified."""
 
 
 class Bounds(Model):
@@ -277,10 +281,40 @@ def verify(
         if goal >= most or together(outcomes) != "UNDECIDED":
             break
         goal = min(most, goal + max(500, int(GROWTH * goal) // 500 * 500))
-    judgements = tuple(_judged(found, i, campaign, result, most) for i in range(len(pairs)))
-    report = Report(together([j.verdict.outcome for j in judgements]), judgements, goal, most, folder)
+    report = _reported(found, campaign, result, most)
     draw_evidence(report, folder / "evidence.png")
+    told = {"file": wanted.model_dump(mode="json", exclude_none=True), "runs": goal, "max_runs": most}
+    write_text(folder / VERIFIED, json.dumps(told, indent=1) + "\n")
     return report
+
+
+def verified(result: CampaignResult) -> Report | None:
+    """The verdict that `verify` gave on a folder, from its rows again; None where it gave none.
+
+    Raises
+    ------
+    InputError
+        What `verify` left there is not what it wrote.
+    """
+    path = result.folder / VERIFIED
+    if not path.exists():
+        return None
+    with file_errors(path, "cannot be read"):
+        text = path.read_text(encoding="utf-8")
+    with input_errors(str(path)):
+        try:
+            told = json.loads(text)
+            file, runs, most = RequirementFile(**told["file"]), int(told["runs"]), int(told["max_runs"])
+        except (ValueError, TypeError, KeyError):
+            raise InputError("is not what gyrostat verify wrote; call it again") from None
+        pairs = _pairs(file, result.campaign)
+    return _reported(_Failures.of(result, pairs, runs), result.campaign, result, most)
+
+
+def _reported(found: _Failures, campaign: Campaign, result: CampaignResult, most: int) -> Report:
+    judgements = tuple(_judged(found, i, campaign, result, most) for i in range(len(found.pairs)))
+    outcome = together([j.verdict.outcome for j in judgements])
+    return Report(outcome, judgements, found.runs, most, result.folder)
 
 
 def _pairs(file: RequirementFile, campaign: Campaign) -> list[tuple[Requirement, str, SequentialTest]]:
@@ -410,5 +444,6 @@ __all__ = [
     "Requirement",
     "RequirementFile",
     "draw_evidence",
+    "verified",
     "verify",
 ]

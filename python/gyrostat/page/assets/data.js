@@ -54,12 +54,6 @@ for (const panel of data.panels) {
 }
 
 const color = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-const palettes = {
-  light: ["#0b6bcb", "#d9480f", "#2b8a3e", "#7048e8", "#c2255c", "#0c8599", "#a86a00", "#495057"],
-  dark: ["#5aa9f7", "#ff8a4c", "#69c97a", "#a98bff", "#f27a9d", "#3fc1d0", "#e0b04a", "#aab2bd"],
-};
-const theme = () => document.documentElement.dataset.theme;
-const hue = i => palettes[theme()][i % 8];
 /// A number in four digits.
 const short = x => {
   if (x === undefined || Number.isNaN(x)) return "–";

@@ -142,9 +142,7 @@ window.gyrostat = {
   }),
 };
 
-// Links reach an instant and a theme: index.html#t=30&theme=dark
-const asked = new URLSearchParams(location.hash.slice(1));
-document.documentElement.dataset.theme = asked.get("theme") ?? (window.matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+// Links reach an instant, and a theme (theme.js): index.html#t=30&theme=dark
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", event => setTheme(event.matches ? "dark" : "light"));
 if (!flown.length) element("left").classList.add("none");
 wire();
