@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from gyrostat.experiment import Experiment, Flights
     from gyrostat.results import Event, Result
     from gyrostat.scenario import Record, Scenario, Shadow
+    from gyrostat.stacks import recommended
     from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
     from gyrostat.verification.requirements import verify
@@ -98,6 +99,7 @@ __all__ = [
     "plots",
     "protocols",
     "rare",
+    "recommended",
     "reference",
     "references",
     "sensors",
@@ -126,6 +128,7 @@ _homes = {
     "experiment": ["Experiment", "Flights"],
     "results": ["Event", "Result"],
     "scenario": ["Record", "Scenario", "Shadow"],
+    "stacks": ["recommended"],
     "vehicle": ["Flexible", "Initial", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],
