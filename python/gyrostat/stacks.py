@@ -9,7 +9,7 @@ from gyrostat.components import Component, allocator, controller, detector, obse
 def recommended(*, tachometers: bool = True) -> dict[str, Component]:
     """Observer, detector, controller and allocator, to be unpacked into a `Scenario`.
 
-    All parameters are defaults, which scale with vehicle and period.
+    Parameters are defaults, which scale with vehicle and period, but for one: the detector takes no wheel away.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def recommended(*, tachometers: bool = True) -> dict[str, Component]:
     blind = {} if tachometers else {"use_momentum": False}
     return {
         "observer": observer("joint_kalman", **blind),
-        "detector": detector("evidence", **blind, **({} if tachometers else {"use_torque": True})),
+        "detector": detector("evidence", drop=False, **blind, **({} if tachometers else {"use_torque": True})),
         "controller": controller("integral_sliding_mode"),
         "allocator": allocator("lexicographic"),
     }
