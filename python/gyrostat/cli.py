@@ -41,8 +41,8 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     help="""Fault-tolerant spacecraft attitude control: fly a spacecraft whose actuators fail, and keep it pointing.
 
-Start with `gyrostat new my.toml` and `gyrostat run my.toml`, look around with `gyrostat list` and `gyrostat describe`, and compare
-published methods with `gyrostat reproduce`.""",
+Start with `gyrostat new my.toml` and `gyrostat run my.toml`, look around with `gyrostat list` and
+`gyrostat describe`, and compare published methods with `gyrostat reproduce`.""",
 )
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]

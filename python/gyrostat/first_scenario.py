@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The file that ``gyrostat new`` writes: a vehicle, the recommended stack, a fault, and comments that say what to change."""
+"""The file of ``gyrostat new``: a vehicle, the recommended stack, a fault, and comments that say what to change."""
 
 from __future__ import annotations
 
@@ -33,11 +33,12 @@ VEHICLES: dict[str, Callable[[], dict[str, Any]]] = {
 """Tables that hold the vehicle, by name."""
 
 _remarks = {
-    "vehicle": """What flight knows: inertia J_B (kg m^2), actuator axes in the columns of D_B, largest command (N m), and the axial
-inertia of each wheel (kg m^2; 0 is an ideal torquer). Put yours here. All keys: gyrostat describe vehicle""",
+    "vehicle": """What flight knows: inertia J_B (kg m^2), actuator axes in the columns of D_B, largest command (N m),
+and the axial inertia of each wheel (kg m^2; 0 is an ideal torquer). Put yours here. All keys: gyrostat describe vehicle""",
     "flexible": "Appendages that bend; flight does not know them. Without them leave this table out.",
     "initial": "A turn of 82 deg. Attitudes are q_NB (scalar first), mrp or euler, rates rad/s.",
-    "observer": """The recommended stack, reasons in docs/recommended.md. Parameters that are not written scale with the vehicle and dt.
+    "observer": """The recommended stack, reasons in docs/recommended.md.
+Parameters that are not written scale with the vehicle and dt.
 The observer learns what each wheel really delivers, from rates and wheel momenta, and the disturbance beside it.
 No tachometers, or torquers: add use_momentum = false""",
     "detector": """Says which wheel changed, and how. drop = true also lets it take a stuck wheel away.
@@ -46,8 +47,8 @@ No tachometers, or torquers: add use_momentum = false, use_torque = true""",
     "allocator": "Makes commands of the torque, inside the limits, with what the wheels have left.",
     "sensors": "Noise is one sigma a sample, rad/s and rad. Without sensors everything is measured as it is.",
     "disturbances": "N m, in body axes; nobody on board knows it.",
-    "faults": """Wheel 2 drops to 40 % of its torque at 20 s. Nine kinds: gyrostat list fault; several at once: repeat [[faults]].
-Try type = "stuck" with a torque.""",
+    "faults": """Wheel 2 drops to 40 % of its torque at 20 s. Nine kinds: gyrostat list fault.
+Several at once: repeat [[faults]]. Try type = "stuck" with a torque.""",
 }
 
 
@@ -77,7 +78,12 @@ def first_scenario(vehicle: str = "ftc_4rw") -> str:
         "disturbances": [{"type": "constant", "torque_B": [most * share for share in (5e-3, -1e-2, 7.5e-3)]}],
         "faults": [{"type": "loss_of_effectiveness", "actuator": 2, "t_on": 20.0, "remaining": 0.4}],
     }
-    head: dict[str, Any] = {"name": f"{vehicle}, wheel 2 at 40 %", "duration": 200.0, "dt": 0.1, "integrator": given.get("integrator", "rk4")}
+    head: dict[str, Any] = {
+        "name": f"{vehicle}, wheel 2 at 40 %",
+        "duration": 200.0,
+        "dt": 0.1,
+        "integrator": given.get("integrator", "rk4"),
+    }
     parts = [toml.write(head)]
     for name, table in tables.items():
         remark = "".join(f"# {line}\n" for line in _remarks[name].splitlines())

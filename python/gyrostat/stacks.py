@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The stack to begin with: the one that kept most of the faulty flights that all components flew. Page: docs/recommended.md."""
+"""The stack to begin with, chosen on faulty flights that all components flew. Page: docs/recommended.md."""
 
 from __future__ import annotations
 
