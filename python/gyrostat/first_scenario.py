@@ -34,7 +34,8 @@ VEHICLES: dict[str, Callable[[], dict[str, Any]]] = {
 
 _remarks = {
     "vehicle": """What flight knows: inertia J_B (kg m^2), actuator axes in the columns of D_B, largest command (N m),
-and the axial inertia of each wheel (kg m^2; 0 is an ideal torquer). Put yours here. All keys: gyrostat describe vehicle""",
+and the axial inertia of each wheel (kg m^2; 0 is an ideal torquer). Put yours here.
+All keys: gyrostat describe vehicle""",
     "flexible": "Appendages that bend; flight does not know them. Without them leave this table out.",
     "initial": "A turn of 82 deg. Attitudes are q_NB (scalar first), mrp or euler, rates rad/s.",
     "observer": """The recommended stack, reasons in docs/recommended.md.
