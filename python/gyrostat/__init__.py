@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from gyrostat.experiment import Experiment, Flights
     from gyrostat.results import Event, Result
     from gyrostat.scenario import Record, Scenario, Shadow
+    from gyrostat.stacks import recommended
     from gyrostat.survival import survive
     from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
@@ -101,6 +102,7 @@ __all__ = [
     "plots",
     "protocols",
     "rare",
+    "recommended",
     "reference",
     "references",
     "sensors",
@@ -131,6 +133,7 @@ _homes = {
     "results": ["Event", "Result"],
     "scenario": ["Record", "Scenario", "Shadow"],
     "survival": ["survive"],
+    "stacks": ["recommended"],
     "vehicle": ["Flexible", "Initial", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],

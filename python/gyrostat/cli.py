@@ -41,8 +41,8 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     help="""Fault-tolerant spacecraft attitude control: fly a spacecraft whose actuators fail, and keep it pointing.
 
-Start with `gyrostat run wheel2_degraded`, look around with `gyrostat list` and `gyrostat describe`, and compare
-published methods with `gyrostat reproduce`.""",
+Start with `gyrostat new my.toml` and `gyrostat run my.toml`, look around with `gyrostat list` and
+`gyrostat describe`, and compare published methods with `gyrostat reproduce`.""",
 )
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
@@ -184,6 +184,31 @@ def describe(
         printing.as_json(info)
         return
     printing.component(info)
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A new file.")],
+    vehicle: Annotated[str, typer.Option(help="`ftc_4rw`, `flexible_4` or `cubesat_6u`.")] = "ftc_4rw",
+) -> None:
+    """Write a first scenario: a vehicle, the recommended stack, a fault, and comments that say what to change.
+
+    Examples: `gyrostat new my.toml`, `gyrostat new cubesat.toml --vehicle cubesat_6u`
+    """
+    from gyrostat.first_scenario import first_scenario
+
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: a scenario's file ends in .toml")
+    text = first_scenario(vehicle)
+    if os.path.lexists(file):
+        raise InputError(f"{file}: is there already, and is left as it is")
+    with made_folder(file.parent):
+        write_text(file, text)
+    name = shlex.quote(str(file))
+    typer.echo(f"{file}: {vehicle} with the recommended stack; next:")
+    typer.echo(f"  gyrostat run {name} --out flight    # fly it; flight/index.html re-plays it")
+    typer.echo(f"  gyrostat check {name}               # what can be said before it flies")
+    typer.echo(f"  gyrostat run {name} --set faults.0.remaining=0.1")
 
 
 @app.command()

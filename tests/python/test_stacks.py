@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""The recommended stack and the file that ``gyrostat new`` writes."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import gyrostat as gs
+from gyrostat.cli import app
+from gyrostat.errors import InputError
+from gyrostat.first_scenario import VEHICLES, first_scenario
+
+
+@pytest.mark.parametrize("tachometers", [True, False])
+def test_the_stack_points_with_a_stuck_wheel(*, tachometers: bool) -> None:
+    scenario = gs.Scenario(
+        vehicle=gs.vehicle.ftc_4rw(),
+        initial=gs.Initial(mrp=(0.1, 0.2, -0.3)),
+        faults=[gs.faults.Stuck(actuator=2, t_on=20.0, torque=-0.05)],
+        integrator="rk4",
+        duration=200.0,
+        dt=0.1,
+        **gs.recommended(tachometers=tachometers),
+    )
+    result = scenario.run(channels=["error.angle", "detection.failed"])
+    assert result["error.angle"][result.t > 160.0].max() < math.radians(0.1)
+    assert not result["detection.failed"].any()
+
+
+@pytest.mark.parametrize("vehicle", sorted(VEHICLES))
+def test_a_new_scenario_flies_what_it_says(vehicle: str, tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    done = CliRunner().invoke(app, ["new", str(file), "--vehicle", vehicle])
+    assert done.exit_code == 0, done.output
+    assert f"gyrostat run {file}" in done.output
+    scenario = gs.Scenario.load(str(file))
+    for role, component in gs.recommended().items():
+        assert scenario.resolve()[role]["type"] == component.type
+    result = scenario.run(channels=["error.angle"])
+    assert result.completed
+    assert np.sqrt(np.mean(result["error.angle"][result.t > 160.0] ** 2)) < math.radians(0.1)
+
+
+def test_nothing_is_overwritten(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text("mine")
+    done = CliRunner().invoke(app, ["new", str(file)])
+    assert isinstance(done.exception, InputError)
+    assert "is there already" in str(done.exception)
+    assert file.read_text() == "mine"
+
+
+def test_an_unknown_vehicle_or_ending_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="did you mean 'ftc_4rw'"):
+        first_scenario("ftc_4w")
+    done = CliRunner().invoke(app, ["new", str(tmp_path / "my.txt")])
+    assert "ends in .toml" in str(done.exception)
+    assert not list(tmp_path.iterdir())
