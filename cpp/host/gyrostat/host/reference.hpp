@@ -104,8 +104,8 @@ struct RateSine {
 /// Attitudes at times, between them cubics of the rotation vector (attitude_spline.hpp). At rest outside the times.
 struct AttitudeTable {
   static constexpr const char* name = "table";
-  std::vector<double> times;
-  std::vector<std::vector<double>> q_NR, omega_RN_R;
+  std::vector<double> times = {};
+  std::vector<std::vector<double>> q_NR = {}, omega_RN_R = {};
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.times, Field{"times", "s", 0, unbounded, "of the rows, increasing, at least two"});

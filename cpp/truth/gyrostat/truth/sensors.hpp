@@ -30,7 +30,7 @@ struct Gyro {
   Mat3<double> misalignment = Mat3<double>::Zero();
   double range = std::numeric_limits<double>::infinity();
   int every = 1, phase = 0;
-  Windows dropouts;
+  Windows dropouts = {};
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.noise, Field{"noise", "rad/s", 0, 1e2, "white, one sigma a sample and axis"});
@@ -73,7 +73,7 @@ struct StarTracker {
   Vec3<double> noise = Vec3<double>::Zero();
   Quat<double> q_BS = Quat<double>::Identity();
   int latency = 0, every = 1, phase = 0;
-  Windows blind;
+  Windows blind = {};
   double rate_max = std::numeric_limits<double>::infinity();
   double outlier_probability = 0, outlier_angle = 0;
   bool flip_sign = false;
