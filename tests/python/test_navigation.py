@@ -112,8 +112,8 @@ def test_a_tracker_at_2_hz_and_a_biased_gyro_point_as_well_as_a_gyro_without_bia
         assert pointing(filtered, *window) < 0.003
     assert torque_error(filtered, 0, 5).max() < 1.2 * torque_error(best, 0, 5).max()
     early, after = (filtered.t >= 50) & (filtered.t < 60), (filtered.t >= 60) & (filtered.t < 65)
-    for window in (early, after):
-        assert np.sqrt(np.mean((filtered["navigator.bias"][window] - BIAS) ** 2)) < 1e-6
+    for part in (early, after):
+        assert np.sqrt(np.mean((filtered["navigator.bias"][part] - BIAS) ** 2)) < 1e-6
     assert filtered["navigator.rejected"][-1] == 0
 
 
