@@ -122,3 +122,48 @@ def Sine(
     phase
         of each rate; rad; default [0.0, 0.0, 0.0]
     """
+
+def Table(
+    *,
+    times: Vector | None = ...,
+    q_NR: Matrix | None = ...,
+    omega_RN_R: Matrix | None = ...,
+) -> Component:
+    """The reference 'table'.
+
+    Parameters
+    ----------
+    times
+        of the rows, increasing, at least two; s; >= 0; default []
+    q_NR
+        one quaternion a time, scalar first; either sign; [-1.1, 1.1]; default []
+    omega_RN_R
+        one rate a time, in axes of the reference; absent: from the neighbouring rows; rad/s; [-10, 10]; default []
+    """
+
+def BangBang(
+    *,
+    angle: float,
+    rate_max: float,
+    acceleration_max: float,
+    from_euler: float | Vector | None = ...,
+    axis: float | Vector | None = ...,
+    start: float | None = ...,
+) -> Component:
+    """The reference 'bang_bang'.
+
+    Parameters
+    ----------
+    angle
+        of the turn; rad; [1e-09, 6.28319]
+    rate_max
+        largest rate; rad/s; [1e-09, 10]
+    acceleration_max
+        acceleration and deceleration; rad/s^2; [1e-12, 100]
+    from_euler
+        roll, pitch, yaw before; rad; [-6.28319, 6.28319]; default [0.0, 0.0, 0.0]
+    axis
+        of the turn, in axes of the reference; of any length; default [0.0, 0.0, 1.0]
+    start
+        when it begins; s; >= 0; default 0.0
+    """

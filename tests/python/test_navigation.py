@@ -89,6 +89,129 @@ def test_it_flies_through_silence_and_a_late_tracker() -> None:
     assert pointing(deaf, 100, 120) > 0.5
 
 
+AMPLITUDE = FREQUENCY = np.array([0.05, 0.04, 0.03])
+
+
+def tracker(**changes: Any) -> Any:
+    """2 Hz, 2e-5 rad."""
+    return gs.sensors.StarTracker(**{"noise": [2e-5] * 3, "every": 50, **changes})
+
+
+def tracked(gyro: Any, attitude: Any, **changes: Any) -> gs.Scenario:
+    """The flight above from the state of its reference, so that what points wrong is knowledge."""
+    return flight(sensors=[gyro, attitude], initial=gs.Initial(omega_BN_B=4 * AMPLITUDE * FREQUENCY), **changes)
+
+
+def test_a_tracker_at_2_hz_and_a_biased_gyro_point_as_well_as_a_gyro_without_bias() -> None:
+    biased, unbiased = gs.sensors.Gyro(noise=1e-5, bias=BIAS), gs.sensors.Gyro(noise=1e-5)
+    best = tracked(unbiased, gs.sensors.Attitude(noise=2e-5)).run(channels=PLAIN)
+    plain = tracked(biased, tracker()).run(channels=PLAIN)
+    filtered = tracked(biased, tracker(), navigator="mekf").run(channels=CHANNELS)
+    for window in ((30, 60), (100, 120)):
+        assert pointing(plain, *window) > 1.0
+        assert pointing(filtered, *window) < 0.003
+    assert torque_error(filtered, 0, 5).max() < 1.2 * torque_error(best, 0, 5).max()
+    early, after = (filtered.t >= 50) & (filtered.t < 60), (filtered.t >= 60) & (filtered.t < 65)
+    for part in (early, after):
+        assert np.sqrt(np.mean((filtered["navigator.bias"][part] - BIAS) ** 2)) < 1e-6
+    assert filtered["navigator.rejected"][-1] == 0
+
+
+def rms_of_bias(result: gs.Result) -> float:
+    window = (result.t >= 50) & (result.t < 60)
+    return float(np.sqrt(np.mean((result["navigator.bias"][window] - BIAS) ** 2)))
+
+
+def test_a_latency_that_is_known_costs_nothing_and_one_that_is_not_shows() -> None:
+    gyro, late = gs.sensors.Gyro(noise=1e-5, bias=BIAS), tracker(latency=20)
+    told = tracked(gyro, late, navigator="mekf").run(channels=CHANNELS)
+    not_told = tracked(gyro, late, navigator=gs.navigator("mekf", latency=0)).run(channels=CHANNELS)
+    assert pointing(told, 30, 60) < 0.003
+    assert pointing(told, 100, 120) < 0.003
+    assert rms_of_bias(told) < 1e-6
+    assert told["navigator.rejected"][-1] == 0
+    assert pointing(not_told, 30, 60) > 0.03
+    assert not_told["navigator.rejected"][-1] > 10
+
+
+def test_outliers_are_rejected_and_nothing_else_and_signs_do_not_matter() -> None:
+    sensor = tracker(outlier_probability=0.1, outlier_angle=np.deg2rad(1), flip_sign=True)
+    channels = [*CHANNELS, "measurement.q_NB", "measurement.attitude_valid", "truth.q_NB"]
+    result = tracked(gs.sensors.Gyro(noise=1e-5, bias=BIAS), sensor, navigator="mekf").run(channels=channels)
+    fix = result["measurement.attitude_valid"] == 1
+    product = np.abs(np.sum(result["measurement.q_NB"][fix] * result["truth.q_NB"][fix], axis=1))
+    far = 2 * np.arccos(np.minimum(product, 1)) > np.deg2rad(0.5)
+    assert far.sum() > 10
+    assert np.array_equal(far, result["navigator.fix"][fix] == 3)
+    assert pointing(result, 30, 60) < 0.003
+    assert pointing(result, 100, 120) < 0.003
+
+
+def test_it_points_through_a_blind_tracker() -> None:
+    sensor = tracker(blind=[[40.0, 50.0]], latency=20)
+    result = tracked(gs.sensors.Gyro(noise=1e-5, bias=BIAS), sensor, navigator="mekf").run(channels=CHANNELS)
+    fixes = result.t[result["navigator.fix"] > 0]
+    assert not ((fixes > 40.2) & (fixes < 50.2 - 1e-9)).any(), "what was seen at 40 s is shown at 40.2 s"
+    assert pointing(result, 40, 50) < 0.005
+    assert pointing(result, 100, 120) < 0.003
+
+
+def test_a_mounted_tracker_and_a_gyro_with_errors_that_no_data_sheet_tells() -> None:
+    gyro = gs.sensors.Gyro(
+        angle_random_walk=1e-6,
+        rate_random_walk=1e-8,
+        bias=BIAS,
+        scale_factor=[1e-4, -1e-4, 1e-4],
+        misalignment=[[0, 1e-4, 0], [0, 0, 1e-4], [1e-4, 0, 0]],
+    )
+    sensor = tracker(noise=[2e-5, 2e-5, 1.2e-4], q_BS=[0.8, 0.36, 0.48, 0.0], latency=20)
+    result = tracked(gyro, sensor, navigator="mekf").run(channels=CHANNELS)
+    assert pointing(result, 30, 60) < 0.003
+    assert pointing(result, 100, 120) < 0.003
+    told = tracked(gyro, sensor, navigator="mekf").resolve()["navigator"]
+    assert told["latency"] == 20
+    assert told["q_BS"] == pytest.approx([0.8, 0.36, 0.48, 0.0])
+    assert told["attitude_noise"] == pytest.approx([2e-5, 2e-5, 1.2e-4])
+    assert (told["angle_random_walk"], told["rate_random_walk"]) == (1e-6, 1e-8)
+
+
+@pytest.mark.parametrize("every", [2, 5, 10])
+def test_a_gyro_slower_than_the_stack(every: int) -> None:
+    gyro = gs.sensors.Gyro(noise=1e-5, bias=BIAS, every=every)
+    scenario = tracked(gyro, tracker(), navigator="mekf", faults=[])
+    told = scenario.resolve()["navigator"]
+    assert told["gyro_every"] == every
+    assert told["angle_random_walk"] == pytest.approx(1e-5 * np.sqrt(0.01 * every), rel=1e-12)
+    result = scenario.run(channels=CHANNELS)
+    assert result["navigator.rejected"][-1] == 0
+    assert rms_of_bias(result) < 1e-6
+    assert pointing(result, 30, 60) < 0.003
+    assert pointing(result, 100, 120) < 0.003
+
+
+@pytest.mark.parametrize(
+    ("sensors", "message"),
+    [
+        ([gs.sensors.Gyro(noise=1e-5, angle_random_walk=1e-6)], r"gyro: give one of noise and angle_random_walk"),
+        ([gs.sensors.Gyro(dropouts=[[2.0, 1.0]])], r"gyro: dropouts: t_off must be after t_on"),
+        ([gs.sensors.Gyro(dropouts=[[1.0, 3.0], [2.0, 4.0]])], r"gyro: dropouts: windows overlap"),
+        ([gs.sensors.Gyro(misalignment=0.1)], r"gyro: misalignment has a diagonal"),
+        ([{"type": "gyro", "every": 0}], r"every = 0 is outside \[1, 1e\+06\]"),
+        ([tracker(blind=[[1.0]])], r"star_tracker: blind: a row has 1 numbers"),
+        ([tracker(outlier_probability=0.1)], r"outlier_probability needs an outlier_angle"),
+        ([{"type": "star_tracker", "q_BS": [1, 1, 0, 0]}], r"q_BS .* a unit quaternion belongs here"),
+        ([{"type": "star_tracker", "sun_keepout": 0.5}], r"no parameter 'sun_keepout'"),
+        ([{"type": "star_tracker", "earth_keepout": 0.5}], r"no parameter 'earth_keepout'"),
+        ([tracker(), gs.sensors.Attitude()], r"one attitude sensor \(attitude or star_tracker\)"),
+        ([tracker(latency=65)], r"latency = 65 is outside \[0, 64\]"),
+    ],
+)
+def test_sensors_that_cannot_be_are_one_line(sensors: list[Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message) as error:
+        flight(sensors=sensors, navigator="mekf").run()
+    assert "\n" not in str(error.value)
+
+
 def test_every_observer_flies_behind_it() -> None:
     for observer in _core.catalogue()["observer"]:
         for dt in (0.1, 0.01):

@@ -321,22 +321,41 @@ Status<double> check_pair(const Assembly& a) {
                                coupling_of(c.allocators, a, a.allocator).effectiveness_floor);
 }
 
-/// What a navigator is not told of its sensors, from the sensors: their data sheets, never their bias.
+/// Data sheets of the sensors, of which a navigator is told what it was not given. Never bias, scale factor, misalignment or outliers:
+/// those nobody knows in flight.
 void fill_from_sensors(Assembly& a) {
   if (a.navigator.type != "mekf") return;
-  const auto absent = [&](const char* key) { return a.navigator.params.find(key) == nullptr; };
-  const double h = a.setup.dt;
+  const auto tell = [&](const char* key, bool known, auto&& value) {
+    if (known && a.navigator.params.find(key) == nullptr) a.navigator.params.set(key, value());
+  };
+  const auto square = [](double x) { return x * x; };
   for (const truth::Sensor& sensor : a.sensors) {
-    if (const auto* gyro = std::get_if<truth::Gyro>(&sensor); gyro != nullptr && absent("angle_random_walk")) {
-      const double square = (gyro->noise * gyro->noise + gyro->quantisation * gyro->quantisation / 12) * h;
-      if (square > 0) a.navigator.params.set("angle_random_walk", std::sqrt(square));
+    if (const auto* gyro = std::get_if<truth::Gyro>(&sensor)) {
+      const double walk = square(gyro->angle_random_walk) +
+                          (square(gyro->noise) + square(gyro->quantisation) / 12) * gyro->every * a.setup.dt;
+      tell("angle_random_walk", walk > 0, [&] { return std::sqrt(walk); });
+      tell("rate_random_walk", gyro->rate_random_walk > 0, [&] { return gyro->rate_random_walk; });
+      tell("gyro_every", gyro->every > 1, [&] { return gyro->every; });
     }
     if (const auto* attitude = std::get_if<truth::AttitudeSensor>(&sensor)) {
-      const double square = attitude->noise * attitude->noise + attitude->quantisation * attitude->quantisation / 12;
-      if (square > 0 && absent("attitude_noise"))
-        a.navigator.params.set("attitude_noise", write(Vec3<double>(Vec3<double>::Constant(std::sqrt(square)))));
-      if (attitude->delay > 0 && absent("latency")) a.navigator.params.set("latency", attitude->delay);
+      const double noise = std::sqrt(square(attitude->noise) + square(attitude->quantisation) / 12);
+      tell("attitude_noise", noise > 0, [&] { return write(Vec3<double>(Vec3<double>::Constant(noise))); });
+      tell("latency", attitude->delay > 0, [&] { return attitude->delay; });
     }
+    if (const auto* tracker = std::get_if<truth::StarTracker>(&sensor)) {
+      tell("attitude_noise", tracker->noise.minCoeff() > 0, [&] { return write(tracker->noise); });
+      tell("q_BS", tracker->q_BS.w() != 1, [&] { return write(tracker->q_BS); });
+      tell("latency", tracker->latency > 0, [&] { return tracker->latency; });
+    }
+  }
+}
+
+/// Refuses sensors that cannot be, before anything flies.
+void check_sensors(const Assembly& a) {
+  (void)truth::Sensors(a.sensors, a.run.seed, a.run.run_number, false, a.setup.dt, a.setup.vehicle.wheels);
+  if (a.setup.vehicle.coordinates == Coordinates::body) return;
+  for (const truth::Sensor& sensor : a.sensors) {
+    if (std::holds_alternative<truth::StarTracker>(sensor)) refuse("sensor star_tracker: flies on body coordinates");
   }
 }
 
@@ -381,6 +400,7 @@ Assembly assemble(const Table& scenario) {
   const int n = a.setup.vehicle.actuators();
   a.plant.disturbances = read_list<truth::Disturbance>("disturbance", scenario, "disturbances", n);
   a.sensors = read_list<truth::Sensor>("sensor", scenario, "sensors", n);
+  check_sensors(a);
   a.plant.integrator =
       read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
   a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");

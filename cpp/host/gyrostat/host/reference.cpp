@@ -67,6 +67,73 @@ void evaluate_slew(const Slew& p, double t, Reference<double>& r) {
   r = with_euler(r);
 }
 
+/// The acceleration at a sample is that of the interval ahead.
+void evaluate_bang_bang(const BangBang& p, double t, Reference<double>& r) {
+  const double c = p.acceleration_max, ramp = std::min(p.rate_max / c, std::sqrt(p.angle / c));
+  const double coast = p.angle / (c * ramp) - ramp, end = 2 * ramp + coast;
+  const double s = t - p.start, at = 1e-9;  // s; a switch within that of a sample happens at it
+  double angle = 0, rate = 0, acceleration = 0;
+  if (s >= end - at) {
+    angle = p.angle;
+  } else if (s >= ramp + coast - at) {
+    angle = p.angle - c * (end - s) * (end - s) / 2;
+    rate = c * (end - s);
+    acceleration = -c;
+  } else if (s >= ramp - at) {
+    angle = c * ramp * (s - ramp / 2);
+    rate = c * ramp;
+  } else if (s >= -at) {
+    angle = c * s * s / 2;
+    rate = c * s;
+    acceleration = c;
+  }
+  const Vec3<double> axis = p.axis.normalized();
+  r.q_NR = quat_from_euler(p.from) * quat_exp<double>(angle * axis);
+  r.omega_RN_R = rate * axis;
+  r.omegadot_RN_R = acceleration * axis;
+  r = with_euler(r);
+}
+
+std::vector<Vec3<double>> rates_of(const AttitudeTable& p, const std::string& where) {
+  if (!p.omega_RN_R.empty() && p.omega_RN_R.size() != p.times.size()) {
+    refuse(where, std::to_string(p.times.size()) + " times and " + std::to_string(p.omega_RN_R.size()) +
+                      " rates; one a time belongs here, or none");
+  }
+  std::vector<Vec3<double>> out;
+  for (const std::vector<double>& row : p.omega_RN_R) {
+    if (row.size() != 3) refuse(where, "a rate has " + std::to_string(row.size()) + " numbers; 3 belong here");
+    out.emplace_back(row[0], row[1], row[2]);
+  }
+  return out;
+}
+
+AttitudeSpline spline_of(const AttitudeTable& p, const std::string& where) {
+  if (p.times.size() < 2 || p.q_NR.size() != p.times.size()) {
+    refuse(where, std::to_string(p.times.size()) + " times and " + std::to_string(p.q_NR.size()) +
+                      " attitudes; one a time belongs here, at least two");
+  }
+  std::vector<Quat<double>> rows;
+  for (std::size_t i = 0; i < p.times.size(); ++i) {
+    const std::vector<double>& q = p.q_NR[i];
+    const std::string row = "row " + std::to_string(i);
+    if (q.size() != 4) refuse(where, row + " of q_NR has " + std::to_string(q.size()) + " numbers; 4 belong here");
+    if (i > 0 && p.times[i] <= p.times[i - 1]) refuse(where, "times must increase");
+    rows.emplace_back(q[0], q[1], q[2], q[3]);
+    const double norm = rows.back().norm();
+    if (std::abs(norm - 1) > 1e-3)
+      refuse(where, row + " of q_NR has norm " + std::to_string(norm) + "; a unit quaternion belongs here");
+    rows.back().normalize();
+  }
+  AttitudeSpline spline(p.times, std::move(rows), rates_of(p, where));
+  for (std::size_t i = 0; i + 1 < p.times.size(); ++i) {
+    if (spline.turn(i) > AttitudeSpline::largest_turn) {
+      refuse(where, "from row " + std::to_string(i) + " to the next q_NR turns " + std::to_string(spline.turn(i)) +
+                        " rad; at most 2.5 rad, so that the way is clear");
+    }
+  }
+  return spline;
+}
+
 }  // namespace
 
 ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& where)
@@ -95,6 +162,10 @@ ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& w
     }
   } else if (const RateSine* sine = std::get_if<RateSine>(&spec_)) {
     now_.q_NR = quat_from_euler(sine->euler);
+  } else if (const AttitudeTable* table = std::get_if<AttitudeTable>(&spec_)) {
+    spline_ = spline_of(*table, where);
+  } else if (const BangBang* bang = std::get_if<BangBang>(&spec_)) {
+    if (!(bang->axis.norm() > 1e-9)) refuse(where, "axis is zero and names no direction");
   }
 }
 
@@ -120,6 +191,10 @@ void ReferencePath::evaluate(Tick tick) {
     }
   } else if (const Slew* slew = std::get_if<Slew>(&spec_)) {
     evaluate_slew(*slew, t, now_);
+  } else if (const BangBang* bang = std::get_if<BangBang>(&spec_)) {
+    evaluate_bang_bang(*bang, t, now_);
+  } else if (std::holds_alternative<AttitudeTable>(spec_)) {
+    now_ = with_euler(spline_.at(t));
   } else if (const MrpSine* p = std::get_if<MrpSine>(&spec_)) {
     evaluate_mrp(*p, t, now_);
   } else if (const EulerSine* e = std::get_if<EulerSine>(&spec_)) {

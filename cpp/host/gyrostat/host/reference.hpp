@@ -9,6 +9,7 @@
 
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/params.hpp"
+#include "gyrostat/host/attitude_spline.hpp"
 
 namespace gyrostat::host {
 
@@ -100,7 +101,38 @@ struct RateSine {
   }
 };
 
-using ReferenceSpec = std::variant<Hold, Steps, Slew, MrpSine, EulerSine, RateSine>;
+/// Attitudes at times, between them cubics of the rotation vector (attitude_spline.hpp). At rest outside the times.
+struct AttitudeTable {
+  static constexpr const char* name = "table";
+  std::vector<double> times = {};
+  std::vector<std::vector<double>> q_NR = {}, omega_RN_R = {};
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.times, Field{"times", "s", 0, unbounded, "of the rows, increasing, at least two"});
+    field(p.q_NR, Field{"q_NR", "", -1.1, 1.1, "one quaternion a time, scalar first; either sign"});
+    field(p.omega_RN_R, Field{"omega_RN_R", "rad/s", -10, 10,
+                              "one rate a time, in axes of the reference; absent: from the neighbouring rows"});
+  }
+};
+
+/// Rest-to-rest turn about a fixed axis: accelerate, coast at the largest rate (or turn back before it is reached), brake.
+struct BangBang {
+  static constexpr const char* name = "bang_bang";
+  Vec3<double> from = Vec3<double>::Zero(), axis = Vec3<double>(0, 0, 1);
+  double angle = std::numeric_limits<double>::quiet_NaN(), rate_max = std::numeric_limits<double>::quiet_NaN(),
+         acceleration_max = std::numeric_limits<double>::quiet_NaN(), start = 0;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.from, Field{"from_euler", "rad", -full_turn, full_turn, "roll, pitch, yaw before", "degrees"});
+    field(p.axis, Field{"axis", "", -unbounded, unbounded, "of the turn, in axes of the reference; of any length"});
+    field(p.angle, Field{"angle", "rad", 1e-9, full_turn, "of the turn", "degrees"});
+    field(p.rate_max, Field{"rate_max", "rad/s", 1e-9, 10, "largest rate"});
+    field(p.acceleration_max, Field{"acceleration_max", "rad/s^2", 1e-12, 100, "acceleration and deceleration"});
+    field(p.start, Field{"start", "s", 0, unbounded, "when it begins"});
+  }
+};
+
+using ReferenceSpec = std::variant<Hold, Steps, Slew, MrpSine, EulerSine, RateSine, AttitudeTable, BangBang>;
 
 /// A reference in time. Samples must be asked in order of their tick (RateSine integrates).
 class ReferencePath {
@@ -119,6 +151,7 @@ class ReferencePath {
   Reference<double> now_;
   Tick next_ = 0;
   std::vector<Quat<double>> stops_;  // Steps: one a time
+  AttitudeSpline spline_;            // AttitudeTable
 };
 
 }  // namespace gyrostat::host

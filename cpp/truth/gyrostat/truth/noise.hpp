@@ -8,6 +8,7 @@
 #pragma once
 #include <Random123/philox.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -72,6 +73,13 @@ inline Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std:
   for (std::size_t i = 0; i < 2; ++i) r[i] = detail::radius(w[2 * i + 1]);  // both at once, where the processor can
   for (std::size_t i = 0; i < 2; ++i) at[i] = detail::circle(detail::unit_of(w[2 * i]) - 1);
   return {r[0] * at[0].sine, r[0] * at[0].cosine, r[1] * at[1].sine};
+}
+
+/// Four numbers of a stream at a tick, uniform in [0, 1), in steps of 2^-52.
+inline std::array<double, 4> standard_uniforms(std::uint64_t seed, std::uint64_t run, std::uint64_t stream,
+                                               Tick tick) noexcept {
+  const r123::Philox4x64::ctr_type w = r123::Philox4x64()({{tick, stream, 0, 0}}, {{seed, run}});
+  return {detail::unit_of(w[0]) - 1, detail::unit_of(w[1]) - 1, detail::unit_of(w[2]) - 1, detail::unit_of(w[3]) - 1};
 }
 
 /// The rotation by a small vector phi; exact to rounding below 1e-2 rad, by `quat_exp` beyond.

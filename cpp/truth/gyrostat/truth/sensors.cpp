@@ -12,24 +12,67 @@ namespace gyrostat::truth {
 namespace {
 
 /// Of tachometers one for each three wheels, from the first one on.
-enum Stream : std::uint64_t { gyro_stream = 1, attitude_stream = 2, tachometer_stream = 16 };
+enum Stream : std::uint64_t {
+  gyro_stream = 1,
+  attitude_stream = 2,
+  rate_random_walk_stream = 3,
+  tracker_stream = 4,
+  outlier_stream = 5,
+  tachometer_stream = 16
+};
 
 double quantised(double x, double step) noexcept { return step > 0 ? step * std::round(x / step) : x; }
 
+[[noreturn]] void refuse(const char* sensor, const std::string& what) {
+  throw std::invalid_argument("sensor " + std::string(sensor) + ": " + what);
+}
+
 void check_range(const char* name, double noise, double quantisation, int delay) {
   if (noise >= 0 && quantisation >= 0 && delay >= 0) return;
-  throw std::invalid_argument("sensor " + std::string(name) + ": noise, quantisation and delay must not be negative");
+  refuse(name, "noise, quantisation and delay must not be negative");
+}
+
+void check_schedule(const char* name, int every, int phase) {
+  if (every < 1 || phase < 0) refuse(name, "every must be at least 1, phase at least 0");
+}
+
+void check_windows(const char* name, const char* key, Windows windows) {
+  for (const std::vector<double>& w : windows) {
+    if (w.size() != 2)
+      refuse(name, std::string(key) + ": a row has " + std::to_string(w.size()) + " numbers; it is [t_on, t_off]");
+    if (!(w[0] >= 0) || !(w[1] > w[0])) refuse(name, std::string(key) + ": t_off must be after t_on, and t_on >= 0");
+  }
+  std::sort(windows.begin(), windows.end());
+  for (std::size_t i = 1; i < windows.size(); ++i) {
+    if (windows[i][0] < windows[i - 1][1]) refuse(name, std::string(key) + ": windows overlap");
+  }
+}
+
+/// A direction, uniform on the sphere for uniform u and v in [0, 1).
+Vec3<double> on_sphere(double u, double v) noexcept {
+  const double z = 2 * u - 1, r = std::sqrt(1 - z * z);
+  const detail::OnCircle at = detail::circle(v);
+  return {r * at.cosine, r * at.sine, z};
 }
 
 /// An onset or end within 1e-9 s of a sample happens at it.
-bool active(const auto& fault, double t) noexcept { return t >= fault.t_on - 1e-9 && t < fault.t_off - 1e-9; }
+bool within(double t, double t_on, double t_off) noexcept { return t >= t_on - 1e-9 && t < t_off - 1e-9; }
+bool active(const auto& fault, double t) noexcept { return within(t, fault.t_on, fault.t_off); }
+bool inside(const Windows& windows, double t) noexcept {
+  return std::any_of(windows.begin(), windows.end(), [t](const auto& w) { return within(t, w[0], w[1]); });
+}
+
+/// At ticks phase + j every.
+bool scheduled(Tick tick, int every, int phase) noexcept {
+  const auto first = static_cast<Tick>(phase);
+  return tick >= first && (tick - first) % static_cast<Tick>(every) == 0;
+}
 
 }  // namespace
 
 template <class T>
 const T& Sensors::DelayLine<T>::through(const T& now) {
-  if (!filled_) values_.assign(values_.size(), now);
-  filled_ = true;
+  if (calls_++ == 0) values_.assign(values_.size(), now);
   values_[next_] = now;
   next_ = (next_ + 1) % values_.size();
   return values_[next_];  // the oldest
@@ -38,25 +81,62 @@ const T& Sensors::DelayLine<T>::through(const T& now) {
 Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler, double dt,
                  Mask wheels)
     : seed_(seed), run_(run), euler_(euler), dt_(dt), wheels_(wheels) {
-  bool has_gyro = false, has_attitude = false, has_tachometer = false;
+  int gyros = 0, attitudes = 0, tachometers = 0;
   for (const Sensor& sensor : sensors) {
     if (take_fault(sensor)) continue;
-    bool& seen = std::holds_alternative<Gyro>(sensor)         ? has_gyro
-                 : std::holds_alternative<Tachometer>(sensor) ? has_tachometer
-                                                              : has_attitude;
-    if (seen) throw std::invalid_argument("sensors: one gyro, one attitude sensor and one tachometer at most");
-    seen = true;
-    if (const auto* gyro = std::get_if<Gyro>(&sensor)) gyro_ = *gyro;
-    if (const auto* attitude = std::get_if<AttitudeSensor>(&sensor)) attitude_ = *attitude;
-    if (const auto* tachometer = std::get_if<Tachometer>(&sensor)) tachometer_ = *tachometer;
+    ++(std::holds_alternative<Gyro>(sensor)         ? gyros
+       : std::holds_alternative<Tachometer>(sensor) ? tachometers
+                                                    : attitudes);
+    if (gyros > 1 || attitudes > 1 || tachometers > 1)
+      throw std::invalid_argument(
+          "sensors: one gyro, one attitude sensor (attitude or star_tracker) and one tachometer at most");
+    take(sensor);
   }
-  check_range(Gyro::name, gyro_.noise, gyro_.quantisation, gyro_.delay);
-  check_range(AttitudeSensor::name, attitude_.noise, attitude_.quantisation, attitude_.delay);
-  check_range(Tachometer::name, tachometer_.noise, tachometer_.quantisation, tachometer_.delay);
+  check();
+  rate_noise_ = gyro_.angle_random_walk > 0 ? gyro_.angle_random_walk / std::sqrt(gyro_.every * dt_) : gyro_.noise;
+  distortion_ = gyro_.misalignment;
+  distortion_.diagonal() = gyro_.scale_factor;
+  never_silent_ = rate_dropouts_.empty() && attitude_dropouts_.empty() && momentum_dropouts_.empty() && !has_tracker_ &&
+                  gyro_.every == 1 && gyro_.phase == 0 && gyro_.dropouts.empty() && std::isinf(gyro_.range);
   momenta_ = DelayLine<VecN<double>>(tachometer_.delay);
   rates_ = DelayLine<Vec3<double>>(gyro_.delay);
   attitudes_ = DelayLine<Quat<double>>(attitude_.delay);
   angles_ = DelayLine<Vec3<double>>(attitude_.delay);
+  exposures_ = DelayLine<Exposure>(tracker_.latency);
+}
+
+void Sensors::take(const Sensor& sensor) {
+  if (const auto* gyro = std::get_if<Gyro>(&sensor)) gyro_ = *gyro;
+  if (const auto* attitude = std::get_if<AttitudeSensor>(&sensor)) attitude_ = *attitude;
+  if (const auto* tachometer = std::get_if<Tachometer>(&sensor)) tachometer_ = *tachometer;
+  if (const auto* tracker = std::get_if<StarTracker>(&sensor)) {
+    tracker_ = *tracker;
+    has_tracker_ = true;
+  }
+}
+
+void Sensors::check() const {
+  check_range(Gyro::name, gyro_.noise, gyro_.quantisation, gyro_.delay);
+  check_range(AttitudeSensor::name, attitude_.noise, attitude_.quantisation, attitude_.delay);
+  check_range(Tachometer::name, tachometer_.noise, tachometer_.quantisation, tachometer_.delay);
+  check_range(StarTracker::name, tracker_.noise.minCoeff(), 0, tracker_.latency);
+  check_schedule(Gyro::name, gyro_.every, gyro_.phase);
+  check_schedule(StarTracker::name, tracker_.every, tracker_.phase);
+  check_windows(Gyro::name, "dropouts", gyro_.dropouts);
+  check_windows(StarTracker::name, "blind", tracker_.blind);
+  if (!(gyro_.angle_random_walk >= 0) || !(gyro_.rate_random_walk >= 0) || !(gyro_.range > 0))
+    refuse(Gyro::name, "random walks must not be negative, and the range positive");
+  if (gyro_.noise > 0 && gyro_.angle_random_walk > 0) refuse(Gyro::name, "give one of noise and angle_random_walk");
+  if (!gyro_.misalignment.diagonal().isZero(0))
+    refuse(Gyro::name, "misalignment has a diagonal that is not zero; that is scale_factor");
+  const bool timed = gyro_.angle_random_walk > 0 || gyro_.rate_random_walk > 0 || !gyro_.dropouts.empty();
+  if (timed && !(dt_ > 0)) refuse(Gyro::name, "needs the sample period");
+  if (!tracker_.blind.empty() && !(dt_ > 0)) refuse(StarTracker::name, "needs the sample period");
+  if (std::abs(tracker_.q_BS.norm() - 1) > 1e-3) refuse(StarTracker::name, "q_BS is no unit quaternion");
+  if (!(tracker_.rate_max >= 0) || !(tracker_.outlier_probability >= 0) || tracker_.outlier_probability > 1)
+    refuse(StarTracker::name, "rate_max must not be negative, and outlier_probability in [0, 1]");
+  if (tracker_.outlier_probability > 0 && tracker_.outlier_angle == 0)
+    refuse(StarTracker::name, "outlier_probability needs an outlier_angle");
 }
 
 bool Sensors::take_fault(const Sensor& sensor) {
@@ -88,18 +168,18 @@ void Sensors::apply_faults(double t, Vec3<double>& rate) {
   for (const RateFreeze& fault : freezes_) {
     if (active(fault, t) && t > 0) rate = shown_;
   }
-  shown_ = rate;
+  if (rate_fresh_) shown_ = rate;
 }
 
 /// Where a sensor gives nothing, the number that stood there last goes on standing there.
 void Sensors::drop_out(Measurement<double>& y) {
   const double t = static_cast<double>(y.tick) * dt_;
-  if (rate_dropouts_.empty() && attitude_dropouts_.empty() && momentum_dropouts_.empty()) return;
+  if (never_silent_) return;
   const auto any = [t](const auto& faults) {
     return std::any_of(faults.begin(), faults.end(), [t](const auto& fault) { return active(fault, t); });
   };
-  y.rate_valid = !any(rate_dropouts_);
-  y.attitude_valid = !any(attitude_dropouts_);
+  y.rate_valid = rate_fresh_ && !any(rate_dropouts_);
+  y.attitude_valid = attitude_fresh_ && !any(attitude_dropouts_);
   y.momentum_valid = !any(momentum_dropouts_);
   if (t > 0 && !y.rate_valid) {
     y.omega_BN_B = last_.omega_BN_B;
@@ -111,17 +191,46 @@ void Sensors::drop_out(Measurement<double>& y) {
   }
   if (t > 0 && !y.momentum_valid) y.h_w = last_.h_w;
   last_ = y;
+  y.rate_valid = y.rate_valid && !rate_clipped_;
 }
 
 Vec3<double> Sensors::rate(Tick tick, const Vec3<double>& omega) {
-  Vec3<double> shown = rates_.through(omega) + gyro_.bias;
-  if (gyro_.noise > 0) shown += gyro_.noise * standard_normals(seed_, run_, gyro_stream, tick);
+  const double t = static_cast<double>(tick) * dt_;
+  rate_fresh_ = scheduled(tick, gyro_.every, gyro_.phase) && !inside(gyro_.dropouts, t);
+  Vec3<double> shown = rates_.through(omega);
+  if (!distortion_.isZero(0)) shown += (distortion_ * shown).eval();
+  shown += gyro_.bias;
+  if (gyro_.rate_random_walk > 0) {
+    if (tick > 0)
+      walk_ += gyro_.rate_random_walk * std::sqrt(dt_) * standard_normals(seed_, run_, rate_random_walk_stream, tick);
+    shown += walk_;
+  }
+  if (rate_noise_ > 0) shown += rate_noise_ * standard_normals(seed_, run_, gyro_stream, tick);
+  rate_clipped_ = shown.cwiseAbs().maxCoeff() > gyro_.range;
+  if (rate_clipped_) shown = shown.cwiseMax(-gyro_.range).cwiseMin(gyro_.range).eval();
   for (double& element : shown) element = quantised(element, gyro_.quantisation);
-  apply_faults(static_cast<double>(tick) * dt_, shown);
+  apply_faults(t, shown);
   return shown;
 }
 
-Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB) {
+/// What the tracker shows of the instant that its latency lets out, with whether it is a fix.
+Quat<double> Sensors::tracked(Tick tick, const Exposure& now) {
+  const Exposure& seen = exposures_.through(now);
+  const double t_seen = (static_cast<double>(tick) - tracker_.latency) * dt_;
+  attitude_fresh_ = exposures_.full() && scheduled(tick, tracker_.every, tracker_.phase) &&
+                    !inside(tracker_.blind, t_seen) && !(seen.rate > tracker_.rate_max);
+  const Vec3<double> error_S = tracker_.noise.cwiseProduct(standard_normals(seed_, run_, tracker_stream, tick));
+  Quat<double> q = seen.q_NB * small_rotation(tracker_.q_BS * error_S);
+  if (tracker_.outlier_probability > 0 || tracker_.flip_sign) {
+    const std::array<double, 4> u = standard_uniforms(seed_, run_, outlier_stream, tick);
+    if (u[0] < tracker_.outlier_probability) q = q * quat_exp<double>(tracker_.outlier_angle * on_sphere(u[1], u[2]));
+    if (tracker_.flip_sign && u[3] < 0.5) q.coeffs() = -q.coeffs();
+  }
+  return q;
+}
+
+Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B) {
+  if (has_tracker_) return tracked(tick, {q_NB, omega_BN_B.norm()});
   Quat<double> q = attitudes_.through(q_NB);
   if (attitude_.noise > 0) {
     const Vec3<double> error_B = attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
@@ -161,7 +270,7 @@ Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const 
   y.tick = tick;
   y.h_w = momentum(tick, h_w);
   y.omega_BN_B = rate(tick, omega_BN_B);
-  y.q_NB = attitude(tick, q_NB);
+  y.q_NB = attitude(tick, q_NB, omega_BN_B);
   if (euler_) {
     y.euler.angles = euler(y.q_NB);
     y.euler.rates = euler_rates(y.euler.angles, y.omega_BN_B);

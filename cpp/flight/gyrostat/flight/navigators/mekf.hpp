@@ -139,9 +139,11 @@ class Mekf {
   /// The gyro sample of `age` samples ago.
   const Rate& at(int age) const noexcept { return ring_[static_cast<std::size_t>((newest_ - age + size()) % size())]; }
 
-  /// Rotation from one sample to the next, by the trapezoid: a body that accelerates would else look like a bias.
+  /// Rotation from one sample to the next, by the trapezoid: a body that accelerates would else look like a bias. Where a slower gyro
+  /// shows a new rate, the samples that held the one before get theirs: their trapezoid spans all of them.
   Vec3<S> turned(const Rate& from, const Rate& to) const noexcept {
-    return h_ * (S(0.5) * (from.omega + to.omega) - b_);
+    const S held = static_cast<S>(std::min(from.missing, params_.gyro_every - 1));
+    return h_ * (S(0.5) * (from.omega + to.omega) - b_) + S(0.5) * h_ * held * (to.omega - from.omega);
   }
 
   /// rad^2 an axis, that an unknown acceleration adds over a sample without a gyro.
