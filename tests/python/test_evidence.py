@@ -257,3 +257,12 @@ def _setup_of() -> gs.Setup:
 
     scenario(detector=Keeps(), duration=0.1).run(channels=["error.angle"])
     return kept[0]
+
+
+def test_what_was_dropped_is_taken_back_where_another_fault_makes_it_needed() -> None:
+    # wheel 0 rests in its dead zone and is dropped; then wheel 1 locks: two of four wheels do not turn a body
+    scenario = gs.Campaign.load("faulty_ftc_hard").scenario(240, "joint/integral")
+    result = scenario.run(channels=["detection.failed", "error.angle"])
+    failed = result["detection.failed"].astype(int)
+    assert max(int(mask).bit_count() for mask in np.unique(failed)) <= 1
+    assert np.rad2deg(result["error.angle"][result.t > 0.8 * result.t[-1]].max()) < 1.0

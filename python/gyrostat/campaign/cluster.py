@@ -66,17 +66,17 @@ def flown(campaign: Campaign, missing: list[tuple[int, int]], scheduler: str) ->
     tables.pop("set", None)
     text, expected = canonical(tables), identity(resolved(campaign))
     try:
-        client = Client(scheduler, timeout=20)
+        client = Client(scheduler, timeout=20)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler {scheduler}: {error}") from None
     with client:
         ahead = 4 * max(1, len(client.scheduler_info()["workers"]))
         waiting = iter(missing)
-        running = as_completed()
+        running = as_completed()  # type: ignore[no-untyped-call]
 
         def submit() -> None:
             for first, end in waiting:
-                running.add(client.submit(run_chunk, text, expected, first, end, retries=RETRIES, pure=False))
+                running.add(client.submit(run_chunk, text, expected, first, end, retries=RETRIES, pure=False))  # type: ignore[no-untyped-call]
                 return
 
         for _ in range(min(ahead, len(missing))):

@@ -7,6 +7,8 @@ near the lowest of them drives the mode instead of damping it; a factor of three
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from gyrostat.design.finding import Finding
@@ -75,7 +77,7 @@ def bandwidth(scenario: Scenario) -> float | None:
         flown = rigid.replace(duration=samples * rigid.dt).run(channels=["error.angle"])
         if not flown.completed:
             return None
-        below = np.flatnonzero(flown["error.angle"] < _size / np.e)
+        below = np.flatnonzero(flown["error.angle"] < _size / math.e)
         if below.size:
             return float(2.146 / max(below[0] * rigid.dt, rigid.dt))
         samples *= 4

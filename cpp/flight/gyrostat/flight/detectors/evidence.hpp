@@ -102,11 +102,13 @@ class EvidenceDetector {
 
   [[nodiscard]] Detection<S> step(const Estimate<S>& x, const Allocation<S>& last) noexcept {
     named_ = recovered_ = Mask{};
+    judged_ = false;
     const bool jumped = x.event != event_;
     event_ = x.event;
     if (x.axes.move()) vehicle_.D_B = x.axes.D_B;
     look_at_wheels(x, last.u, x.momentum_valid && !jumped);
     if (by_torque_.any()) look_at_torque(x, last.u, jumped);
+    if (judged_ && det_.failed.any() && !enough_without(det_.failed)) take_back();
     if (named_.any() || recovered_.any()) tell();
     return det_;
   }
@@ -173,6 +175,7 @@ class EvidenceDetector {
   void judge(int i) noexcept {
     using News = typename WheelEvidence<S>::News;
     const News news = wheels_[i].judge();
+    judged_ = true;
     if (news == News::declared) named_.set(i);
     if (news == News::recovered) recovered_.set(i);
     const FaultFit<S>& fault = wheels_[i].fault();
@@ -186,15 +189,31 @@ class EvidenceDetector {
     }
   }
 
-  /// Whether the others have torque enough in every direction, with what is dropped pushing as it does.
   bool spared(int i) const noexcept {
     Mask dropped = det_.failed;
     dropped.set(i);
+    return enough_without(dropped);
+  }
+
+  /// Whether the others have torque enough in every direction, with what is dropped pushing as it does. Of an unclear fault
+  /// nobody knows what it leaves: nothing is counted.
+  bool enough_without(Mask dropped) const noexcept {
     ActuatorsInUse<S> left{Mask::all(vehicle_.actuators()).without(dropped), det_.gain};
-    for (int k = 0; k < vehicle_.actuators(); ++k)
+    for (int k = 0; k < vehicle_.actuators(); ++k) {
       if (dropped.test(k)) left.against += det_.bias[k] * vehicle_.D_B.col(k);
+      if (det_.classes[static_cast<std::size_t>(k)] == FaultClass::unclear) left.gain[k] = S(0);
+    }
     left.gain = left.gain.cwiseMax(S(0)).cwiseMin(S(1));
     return torque_authority(vehicle_, left) > params_.margin * usable_;
+  }
+
+  /// Another fault has made the dropped ones needed: all are used again, and judged anew.
+  void take_back() noexcept {
+    for (int i = 0; i < vehicle_.actuators(); ++i) {
+      if (!det_.failed.test(i)) continue;
+      det_.failed.set(i, false);
+      wheels_[i].retry();
+    }
   }
 
   bool tried_again(int i) noexcept {
@@ -237,6 +256,7 @@ class EvidenceDetector {
   TorqueEvidence<S> torque_;
   Mask named_, recovered_;  ///< at this sample
   Mask declared_;           ///< at the last event
+  bool judged_ = false;     ///< a wheel, at this sample
   std::uint32_t event_ = 0;
 };
 

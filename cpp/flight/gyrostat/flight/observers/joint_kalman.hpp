@@ -263,7 +263,9 @@ class JointKalman {
   void predict(const Measurement<S>& y, const VecN<S>& u) noexcept {
     const int m = moving(), s = P_.size() - m;
     x_.head(m) += driven(x_.tail(s), u);
-    x_.template head<3>() -= S(0.5) * (dt_J_inv_ * (gyroscopic(omega_, h_B_) + gyroscopic(y.omega_BN_B, y.axes.momentum_B(vehicle_.D_B, y.h_w))));
+    x_.template head<3>() -=
+        S(0.5) *
+        (dt_J_inv_ * (gyroscopic(omega_, h_B_) + gyroscopic(y.omega_BN_B, y.axes.momentum_B(vehicle_.D_B, y.h_w))));
 
     const Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, 0, most_driving, most_driving> P_ss =
         P_.lower().bottomRightCorner(s, s).template selfadjointView<Eigen::Lower>();
