@@ -21,7 +21,7 @@ class Guard : public testing::Test {};
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(Guard, Scalars);
 
-/// Every observer and detector, and a few laws. (What holds for every law and allocator is in test_embedded.cpp.)
+/// Every observer and detector, and a few laws. (What holds for every law and allocator is in embedded.hpp.)
 template <class S>
 void for_every_observer(const gyrostat::Setup<S>& setup, auto&& with) {
   using Laws = Components<MrpFeedback, IntegralSlidingMode, PrescribedPerformance, OpenLoop, FiniteTime>;

@@ -52,7 +52,7 @@ TEST(Abuse, EveryComponentStaysFiniteInsideItsLimitsAndRecoversAsStated) {
 }
 
 /// Fifteen vehicles: 3, 4 and 16 actuators with finite, infinite, one-sided, zero and mixed limits. Each component flies five of
-/// them. One actuator, and float: tests/cpp/contract/test_embedded.cpp.
+/// them. One actuator, and float: tests/cpp/contract/embedded.hpp.
 TEST(Abuse, NoVehicleMakesAComponentLatch) {
   int turn = 0;
   for (const auto& [role, names] : host::families()) {

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#define GYROSTAT_TEST_SCALAR float
+#include "embedded.hpp"
