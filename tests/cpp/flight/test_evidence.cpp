@@ -243,7 +243,7 @@ TYPED_TEST(Evidence, NeverDropsTwoOfFourWheels) {
       bench.fly(S(60), [&](int i, S, S u) { return i == a ? S(0.01) : u; });
       EXPECT_EQ(bench.det.failed.bits(), of({a}).bits());
       bench.fly(S(60), [&](int i, S, S u) { return i == a || i == b ? S(0.01) : u; });
-      EXPECT_EQ(bench.det.failed.bits(), of({a}).bits());
+      EXPECT_FALSE(bench.det.failed.any()) << "with the second one gone the first is needed, and taken back";
       EXPECT_EQ(bench.fault(b), FaultClass::stuck);
       EXPECT_FALSE(with_stuck(setup, of({a, b}), S(0.01)).failed.any())
           << "both at once: none of them matters any more";
