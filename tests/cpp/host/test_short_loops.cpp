@@ -48,6 +48,15 @@ Table part(const std::string& family, const std::string& name) {
     t.set("times", row({0, 0.5}));
     t.set("euler", List{row({0, 0, 0}), row({0.1, 0, 0})});
   }
+  if (name == "table" && family == "reference") {
+    t.set("times", row({0, 0.5, 1}));
+    t.set("q_NR", List{row({1, 0, 0, 0}), row({0.8, 0.36, 0.48, 0}), row({0.6, 0.48, 0.64, 0})});
+  }
+  if (name == "bang_bang") {
+    t.set("angle", 0.3);
+    t.set("rate_max", 0.5);
+    t.set("acceleration_max", 2.0);
+  }
   if (name == "sum") t.set("terms", List{Table{{"type", "square"}}, 1e-3});
   return t;
 }
