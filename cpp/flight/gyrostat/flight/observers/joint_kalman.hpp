@@ -118,11 +118,11 @@ class JointKalman {
     if (moved) {
       meter(y, du);
       predict(y, last.u);
-      u_ = last.u;
     } else {  // no motion leads here
       rate_known_ = momentum_known_ = false;
       rates_ = momenta_ = 0;
     }
+    if (credible(last.u)) u_ = last.u;
     age(du);
     if (moved) open(y);
     measure(y);
@@ -465,7 +465,7 @@ class JointKalman {
   Vec3<S> omega_ = Vec3<S>::Zero(), omega_1_ = Vec3<S>::Zero();  ///< as measured at the last two samples
   VecN<S> h_w_, h_w_1_;
   Vec3<S> h_B_ = Vec3<S>::Zero();                     ///< N m s, stored at the last sample
-  VecN<S> u_;                                         ///< of the last interval that a motion led across
+  VecN<S> u_;                                         ///< of the last interval with a command that was no nonsense
   int rates_ = 0, momenta_ = 0;                       ///< measured in a row, up to two
   bool rate_known_ = false, momentum_known_ = false;  ///< the prediction is worth comparing
   std::uint32_t event_ = 0, openings_ = 0;
