@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gyrostat/host/assembly.hpp"
 
+#include <algorithm>
+
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <stdexcept>
@@ -324,9 +326,14 @@ Status<double> check_pair(const Assembly& a) {
 /// Data sheets of the sensors, of which a navigator is told what it was not given. Never bias, scale factor, misalignment or outliers:
 /// those nobody knows in flight.
 void fill_from_sensors(Assembly& a) {
-  if (a.navigator.type != "mekf") return;
+  if (a.navigator.type == "python") return;
+  std::vector<ParamInfo> taken;  // asked only where a sensor has something to say
+  const auto takes = [&](const char* key) {
+    if (taken.empty()) taken = catalogue().navigators.find(a.navigator.type, a.navigator.where).describe(a.setup);
+    return std::any_of(taken.begin(), taken.end(), [key](const ParamInfo& p) { return p.name == key; });
+  };
   const auto tell = [&](const char* key, bool known, auto&& value) {
-    if (known && a.navigator.params.find(key) == nullptr) a.navigator.params.set(key, value());
+    if (known && a.navigator.params.find(key) == nullptr && takes(key)) a.navigator.params.set(key, value());
   };
   const auto square = [](double x) { return x * x; };
   for (const truth::Sensor& sensor : a.sensors) {
