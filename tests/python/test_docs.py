@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import gyrostat as gs
-from gyrostat import cli
+from gyrostat import _core, cli
 
 ROOT = Path(__file__).parents[2]
 
@@ -323,4 +323,7 @@ def test_recovery_takes_the_slew_back_and_hardly_more() -> None:
         line for line in (ROOT / "tests/golden/recovery.csv").read_text().splitlines() if not line.startswith("#")
     )
     for row in rows:
-        assert int(row["slowest"]) <= 1.15 * int(row["slew"]) + 10, row["component"]
+        # an observer that hands on has up to 0.15 of the command to unlearn in d_B, beside the effectiveness
+        hands_on = any(p["name"] == "hand_on" for p in _core.describe(row["role"], row["component"])["params"])
+        most = 1.15 if hands_on else 1.1
+        assert int(row["slowest"]) <= most * int(row["slew"]) + 10, row["component"]

@@ -244,7 +244,7 @@ def test_what_is_refused_would_have_stayed_locked_out() -> None:
             channels=["estimate.effectiveness"]
         )
         ends[floor] = run["estimate.effectiveness"][-1, 2]
-    assert ends[0.049] == pytest.approx(0.049, abs=1e-3)  # what it believes may be a little more
+    assert 0.049 <= ends[0.049] < 0.05, "what it believes may be a little more, and stays below the floor for good"
     assert ends[0.05] > 0.9
 
 
