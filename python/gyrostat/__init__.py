@@ -7,8 +7,9 @@ a catalogue (``gyrostat list``); SI units and radians everywhere, quaternions sc
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from gyrostat.lazy import loader
 
 if TYPE_CHECKING:
     from gyrostat import (
@@ -141,16 +142,7 @@ _homes = {
 _home_of = {name: home for home, names in _homes.items() for name in names}
 
 
-def __getattr__(name: str) -> Any:
-    """Names and sub-modules load when they are first used: the import itself costs nothing."""
-    if name not in __all__:
-        raise AttributeError(f"module 'gyrostat' has no attribute '{name}'")
-    if name in _home_of:
-        value = getattr(import_module(f"gyrostat.{_home_of[name]}"), name)
-    else:
-        value = import_module(f"gyrostat.{name}")
-    globals()[name] = value
-    return value
+__getattr__ = loader(__name__, __all__, _home_of, globals())
 
 
 def __dir__() -> list[str]:

@@ -126,9 +126,13 @@ def make(
         schema = pa.schema(list(zip(_labels, types, strict=True)))
         parquet.write_table(pa.Table.from_pylist(labels, schema=schema), folder / "labels.parquet")
         parquet.write_table(pa.Table.from_pylist(flights), folder / "flights.parquet")
-        tables = {**campaign.to_dict(), "base": campaign.base.to_dict()}
-        tables.pop("set", None)
-        about = {"campaign": tables, "cell": cell, "runs": runs, "every": every, "channels": list(CHANNELS)}
+        about = {
+            "campaign": campaign.standalone(),
+            "cell": cell,
+            "runs": runs,
+            "every": every,
+            "channels": list(CHANNELS),
+        }
         write_text(folder / "dataset.json", json.dumps(about, indent=1) + "\n")
     return Path(out)
 

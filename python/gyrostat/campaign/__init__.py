@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from gyrostat.lazy import loader
 
 if TYPE_CHECKING:
     from gyrostat.campaign import dist
@@ -51,16 +52,8 @@ _home_of = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    """Names load when they are first used: SciPy and PyArrow take half a second."""
-    if name not in __all__:
-        raise AttributeError(f"module 'gyrostat.campaign' has no attribute '{name}'")
-    if name in _home_of:
-        value = getattr(import_module(f"gyrostat.campaign.{_home_of[name]}"), name)
-    else:
-        value = import_module(f"gyrostat.campaign.{name}")
-    globals()[name] = value
-    return value
+# SciPy and PyArrow take half a second.
+__getattr__ = loader(__name__, __all__, _home_of, globals())
 
 
 def __dir__() -> list[str]:

@@ -179,6 +179,12 @@ class Campaign:
         head = {key: tables.pop(key) for key in ("name", "description") if key in tables}
         return head | {"base": base} | ({"set": _plain(changes)} if changes else {}) | tables
 
+    def standalone(self) -> dict[str, Any]:
+        """As `to_dict`, with all tables of the base in it: what another machine, or a later version, can read alone."""
+        tables = {**self.to_dict(), "base": self.base.to_dict()}
+        tables.pop("set", None)
+        return tables
+
     def to_toml(self, path: str | Path | None = None) -> str:
         """The text of a TOML file, also written to `path` if given."""
         for role in self.base.python_components():

@@ -62,9 +62,7 @@ def flown(campaign: Campaign, missing: list[tuple[int, int]], scheduler: str) ->
         raise InputError("--scheduler needs Dask: pip install 'gyrostat[cluster]'") from None
     if campaign.base.python_components():
         raise InputError("--scheduler: Python components do not travel; they fly here alone")
-    tables = {**campaign.to_dict(), "base": campaign.base.to_dict()}
-    tables.pop("set", None)
-    text, expected = canonical(tables), identity(resolved(campaign))
+    text, expected = canonical(campaign.standalone()), identity(resolved(campaign))
     try:
         client = Client(scheduler, timeout=20)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:

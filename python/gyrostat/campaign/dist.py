@@ -11,6 +11,7 @@ from gyrostat.campaign.distributions import (
     Choice,
     Exponential,
     Inertia,
+    Inverse,
     LogNormal,
     LogUniform,
     Mixture,
@@ -83,7 +84,7 @@ def table(
     return Quantiles(values=list(values), probabilities=given, each=each)
 
 
-def mixture(parts: Sequence[tuple[float, float | Scalar]], *, each: int | None = None) -> Mixture:
+def mixture(parts: Sequence[tuple[float, float | Inverse]], *, each: int | None = None) -> Mixture:
     """One of several numbers or distributions, each with its weight before it."""
     return Mixture(of=[Share(weight=weight, of=of) for weight, of in parts], each=each)
 

@@ -8,6 +8,7 @@ run drawn alone gives the same bits as among others.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -39,10 +40,6 @@ class Distribution(Model):
         """Uniform numbers a draw."""
         return 1
 
-    def draw(self, u: Array) -> Array:
-        """Draws, shape (n, size), of uniform numbers, shape (n, words)."""
-        raise NotImplementedError
-
     def table(self) -> dict[str, Any]:
         """As it stands in a file."""
         return {"dist": self.dist} | self.model_dump(exclude_none=True, exclude_defaults=True)
@@ -53,13 +50,9 @@ class Scalar(Distribution):
 
     each: Annotated[int, Field(ge=1, le=100)] | None = None
 
-    def quantile(self, u: Array) -> Array:
-        """The inverse distribution function, elementwise."""
-        raise NotImplementedError
-
+    @abstractmethod
     def draw(self, u: Array) -> Array:
-        """A number a row."""
-        return self.quantile(np.ascontiguousarray(u[:, 0]))[:, None]
+        """Draws, shape (n, 1), of uniform numbers, shape (n, words)."""
 
     @property
     def median(self) -> float:
@@ -67,7 +60,19 @@ class Scalar(Distribution):
         return float(self.draw(np.full((1, self.words), 0.5))[0, 0])
 
 
-class _Between(Scalar):
+class Inverse(Scalar):
+    """One uniform number, through the inverse distribution function."""
+
+    @abstractmethod
+    def quantile(self, u: Array) -> Array:
+        """The inverse distribution function, elementwise."""
+
+    def draw(self, u: Array) -> Array:
+        """A number a row."""
+        return self.quantile(np.ascontiguousarray(u[:, 0]))[:, None]
+
+
+class _Between(Inverse):
     low: Number
     high: Number
 
@@ -78,7 +83,7 @@ class _Between(Scalar):
         return self
 
 
-class Normal(Scalar):
+class Normal(Inverse):
     """Normal, of mean and standard deviation."""
 
     dist: Literal["normal"] = "normal"
@@ -116,7 +121,7 @@ def _log_tail(inner: float, outer: float, u: Array) -> Array:
     return np.asarray(special.ndtri_exp(np.logaddexp(near, far)))
 
 
-class LogNormal(Scalar):
+class LogNormal(Inverse):
     """The exponential of a normal number of mean `mu` and standard deviation `sigma`."""
 
     dist: Literal["lognormal"] = "lognormal"
@@ -151,7 +156,7 @@ class LogUniform(_Between):
         return np.clip(np.exp(low + (high - low) * u), self.low, self.high)
 
 
-class Exponential(Scalar):
+class Exponential(Inverse):
     """Exponential, of a mean."""
 
     dist: Literal["exponential"] = "exponential"
@@ -162,7 +167,7 @@ class Exponential(Scalar):
         return np.asarray(-self.mean * np.log1p(-u))
 
 
-class Beta(Scalar):
+class Beta(Inverse):
     """Beta of shapes `a` and `b`, between 0 and 1 if no other ends are given."""
 
     dist: Literal["beta"] = "beta"
@@ -204,7 +209,7 @@ class Triangular(_Between):
         )
 
 
-class Choice(Scalar):
+class Choice(Inverse):
     """One of several numbers, as likely as each other if no weights are given."""
 
     dist: Literal["choice"] = "choice"
@@ -228,7 +233,7 @@ class Choice(Scalar):
         return np.asarray(np.array(self.of, dtype=float)[chosen(self.shares, u)])
 
 
-class Poisson(Scalar):
+class Poisson(Inverse):
     """A count of a mean; what lies above `most` is `most`."""
 
     dist: Literal["poisson"] = "poisson"
@@ -244,7 +249,7 @@ class Poisson(Scalar):
         return np.asarray(count, dtype=float)
 
 
-class Quantiles(Scalar):
+class Quantiles(Inverse):
     """A fixed table: `values` at `probabilities` from 0 to 1 (evenly spaced if absent), straight lines between them."""
 
     dist: Literal["table"] = "table"
@@ -272,7 +277,7 @@ class Share(Model):
     """A part of a mixture: how likely it is, and a number or a distribution."""
 
     weight: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-    of: Annotated[float | Scalar, PlainValidator(lambda value: value)]
+    of: Annotated[float | Inverse, PlainValidator(lambda value: value)]
 
     @classmethod
     def read(cls, table: Any) -> Share:
@@ -283,8 +288,8 @@ class Share(Model):
             raise InputError(f"{shown(table)}: write {{ weight = 0.5, value = 1.0 }} or {{ weight = 0.5, dist = ... }}")
         rest = {key: value for key, value in table.items() if key != "weight"}
         of = rest["value"] if set(rest) == {"value"} else distribution(rest)
-        if isinstance(of, Scalar):
-            if of.words != 1 or of.each is not None:
+        if isinstance(of, Distribution):
+            if not isinstance(of, Inverse) or of.each is not None:
                 raise InputError(f"a part of a mixture takes one uniform number; '{of.dist}' does not here")
         elif isinstance(of, bool) or not isinstance(of, int | float) or not math.isfinite(of):
             raise InputError(f"value = {shown(of)}: a finite number belongs here")
@@ -292,7 +297,7 @@ class Share(Model):
 
     def table(self) -> dict[str, Any]:
         """As it stands in a file."""
-        return {"weight": self.weight} | (self.of.table() if isinstance(self.of, Scalar) else {"value": self.of})
+        return {"weight": self.weight} | (self.of.table() if isinstance(self.of, Inverse) else {"value": self.of})
 
 
 def _shares(given: Any) -> list[Share]:
@@ -321,7 +326,7 @@ class Mixture(Scalar):
         """A number a row."""
         which = chosen(np.array([part.weight for part in self.of]), np.ascontiguousarray(u[:, 0]))
         within = np.ascontiguousarray(u[:, 1])
-        drawn = [p.of.quantile(within) if isinstance(p.of, Scalar) else np.full(len(u), float(p.of)) for p in self.of]
+        drawn = [p.of.quantile(within) if isinstance(p.of, Inverse) else np.full(len(u), float(p.of)) for p in self.of]
         return np.asarray(np.stack(drawn)[which, np.arange(len(u))][:, None])
 
 
@@ -472,4 +477,4 @@ def chosen(shares: Array, u: Array) -> Any:
     return np.minimum(np.searchsorted(sums, u, side="right"), last)
 
 
-__all__ = ["BY_NAME", "Distribution", "Scalar", "checked_weights", "chosen", "distribution", "scalar"]
+__all__ = ["BY_NAME", "Distribution", "Inverse", "Scalar", "checked_weights", "chosen", "distribution", "scalar"]

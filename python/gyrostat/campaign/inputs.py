@@ -56,6 +56,10 @@ class Varied:
     def draw(self, u: Array, nominal: Mapping[str, Array]) -> Array:
         """Its numbers, shape (n, paths), of uniform numbers, shape (n, words)."""
         drawn = self.distribution
+        if isinstance(drawn, Scalar):
+            w = drawn.words
+            parts = [np.ascontiguousarray(u[:, i * w : (i + 1) * w]) for i in range(len(self.paths))]
+            return np.column_stack([drawn.draw(part)[:, 0] for part in parts])
         if isinstance(drawn, Attitude):
             q = drawn.draw(u)
             convert = _of_quaternion.get(self.key.rpartition(".")[2])
@@ -63,10 +67,7 @@ class Varied:
         if isinstance(drawn, Inertia):
             offset = nominal["vehicle.J_B"] if self.key == "truth.dJ_B" else 0.0
             return np.asarray(drawn.draw_about(u, nominal[self.key]) - offset).reshape(len(u), 9)
-        w = drawn.words
-        return np.column_stack(
-            [drawn.draw(np.ascontiguousarray(u[:, i * w : (i + 1) * w]))[:, 0] for i in range(len(self.paths))]
-        )
+        raise TypeError(drawn.dist)
 
 
 @dataclass(frozen=True)

@@ -165,8 +165,7 @@ def _readable(campaign: Campaign) -> dict[str, Any] | None:
     """What the folder's campaign is made of again; Python components cannot be written down."""
     if campaign.base.python_components():
         return None
-    tables = campaign.to_dict()
-    return {**{k: v for k, v in tables.items() if k not in ("base", "set")}, "base": campaign.base.to_dict()}
+    return campaign.standalone()
 
 
 def _refuse_a_mistake(chunk: Chunk) -> None:

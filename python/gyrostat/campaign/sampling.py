@@ -12,6 +12,7 @@ References
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from functools import lru_cache
 from typing import Protocol
 
@@ -44,7 +45,7 @@ class Plain:
         return self._streams.uniforms(self._seed, first, last)
 
 
-class _Replicated:
+class _Replicated(ABC):
     def __init__(self, streams: Streams, seed: int, points: int) -> None:
         self._streams, self._seed, self._n = streams, seed, points
         self._replicate = lru_cache(maxsize=2)(self._made)
@@ -59,11 +60,13 @@ class _Replicated:
             first += count
         return np.concatenate(parts) if parts else np.empty((0, self._streams.dimension))
 
+    @abstractmethod
     def _of(self, replicate: int, at: int, count: int) -> Array:
-        raise NotImplementedError
+        """Points from `at` on of a replicate, shape (count, dimension)."""
 
+    @abstractmethod
     def _made(self, replicate: int) -> NDArray[np.float64]:
-        raise NotImplementedError
+        """What all points of a replicate are made from."""
 
 
 class LatinHypercube(_Replicated):
