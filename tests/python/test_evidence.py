@@ -266,3 +266,25 @@ def test_what_was_dropped_is_taken_back_where_another_fault_makes_it_needed() ->
     failed = result["detection.failed"].astype(int)
     assert max(int(mask).bit_count() for mask in np.unique(failed)) <= 1
     assert np.rad2deg(result["error.angle"][result.t > 0.8 * result.t[-1]].max()) < 1.0
+
+
+def test_panels_that_bend_are_taken_for_torquers_and_never_for_wheels() -> None:
+    # healthy slews with two modes of a tenth of the inertia: a limit of what rates can tell, which the page states
+    rng = np.random.default_rng(5)
+    named = {"wheels": 0, "torquers": 0}
+    vehicle = gs.vehicle.ftc_4rw()
+    for _ in range(20):
+        panels = gs.Flexible(delta=0.8 * rng.normal(size=(2, 3)), omega=(0.8, 2.0))
+        for kind, inertia in (("wheels", 0.05), ("torquers", None)):
+            flown = gs.Scenario(
+                vehicle=vehicle.model_copy(update={"wheel_inertia": inertia}),
+                flexible=panels,
+                **gs.recommended(),
+                initial={"mrp": (0.1, 0.2, -0.3)},
+                duration=60.0,
+                dt=0.1,
+                integrator="rk4",
+            ).run(channels=["detection.event"])
+            named[kind] += int(flown["detection.event"][-1] > 0)
+    assert named["wheels"] == 0
+    assert named["torquers"] > 0, "the page says so"

@@ -151,3 +151,26 @@ def test_the_bound_holds_through_faults() -> None:
     inside = np.abs(flown["estimate.effectiveness"] - flown["truth.effectiveness"]) <= bound
     assert finite.mean() > 0.8
     assert inside[finite].mean() > 0.97
+
+
+@pytest.mark.parametrize(("controller", "dt"), [("integral_sliding_mode", 0.5), ("mixed_learning_sliding_mode", 0.1)])
+def test_an_actuator_that_comes_back_needs_a_limit(controller: str, dt: float) -> None:
+    """Three torquers, one of which is gone for half of the time: with a limit it points, without one it spins up."""
+    axes = np.eye(3)
+    fault = faults.Intermittent(actuator=1, t_on=40.0 * dt, period=80.0 * dt, duty=0.5)
+    fastest = []
+    for limit in ({"u_max": 0.2}, {}):
+        flown = gs.Scenario(
+            vehicle=gs.Vehicle(J_B=(20.0, 17.0, 15.0), D_B=axes, **limit),
+            observer="joint_kalman",
+            controller=controller,
+            allocator="lexicographic",
+            faults=[fault],
+            initial={"mrp": (0.1, 0.2, -0.3), "omega_BN_B": (0.01, -0.02, 0.03)},
+            duration=400.0 * dt,
+            dt=dt,
+            integrator="rk4",
+        ).run(channels=["truth.omega_BN_B"])
+        fastest.append(float(np.linalg.norm(flown["truth.omega_BN_B"], axis=1).max()))
+    assert fastest[0] < 0.1
+    assert fastest[1] > 1.0, "the page says so"
