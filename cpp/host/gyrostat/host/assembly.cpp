@@ -323,17 +323,18 @@ Status<double> check_pair(const Assembly& a) {
                                coupling_of(c.allocators, a, a.allocator).effectiveness_floor);
 }
 
-/// Data sheets of the sensors, of which a navigator is told what it was not given. Never bias, scale factor, misalignment or outliers:
-/// those nobody knows in flight.
-void fill_from_sensors(Assembly& a) {
-  if (a.navigator.type == "python") return;
+/// Data sheets of the sensors, of which a component is told what it was not given. Never bias, scale factor, misalignment or
+/// outliers: those nobody knows in flight.
+template <class Base>
+void fill_from_sensors(const Assembly& a, const Family<Base>& family, ComponentSpec& spec) {
+  if (spec.type == "python") return;
   std::vector<ParamInfo> taken;  // asked only where a sensor has something to say
   const auto takes = [&](const char* key) {
-    if (taken.empty()) taken = catalogue().navigators.find(a.navigator.type, a.navigator.where).describe(a.setup);
+    if (taken.empty()) taken = family.find(spec.type, spec.where).describe(a.setup);
     return std::any_of(taken.begin(), taken.end(), [key](const ParamInfo& p) { return p.name == key; });
   };
   const auto tell = [&](const char* key, bool known, auto&& value) {
-    if (known && a.navigator.params.find(key) == nullptr && takes(key)) a.navigator.params.set(key, value());
+    if (known && spec.params.find(key) == nullptr && takes(key)) spec.params.set(key, value());
   };
   const auto square = [](double x) { return x * x; };
   for (const truth::Sensor& sensor : a.sensors) {
@@ -354,6 +355,19 @@ void fill_from_sensors(Assembly& a) {
       tell("q_BS", tracker->q_BS.w() != 1, [&] { return write(tracker->q_BS); });
       tell("latency", tracker->latency > 0, [&] { return tracker->latency; });
     }
+    if (const auto* tachometer = std::get_if<truth::Tachometer>(&sensor))
+      tell("momentum_delay", tachometer->delay > 0, [&] { return tachometer->delay; });
+  }
+}
+
+void fill_from_sensors(Assembly& a) {
+  const Catalogue& c = catalogue();
+  fill_from_sensors(a, c.navigators, a.navigator);
+  fill_from_sensors(a, c.observers, a.observer);
+  fill_from_sensors(a, c.detectors, a.detector);
+  for (auto& [observer, detector] : a.shadows) {
+    fill_from_sensors(a, c.observers, observer);
+    fill_from_sensors(a, c.detectors, detector);
   }
 }
 
@@ -412,7 +426,6 @@ Assembly assemble(const Table& scenario) {
       read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
   a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");
   a.navigator = component(block(scenario, "navigator"), "navigator", "none");
-  fill_from_sensors(a);
   a.observer = component(block(scenario, "observer"), "observer", "passthrough");
   a.detector = component(block(scenario, "detector"), "detector", "none");
   a.controller = component(block(scenario, "controller"), "controller", "mrp_feedback");
@@ -425,6 +438,7 @@ Assembly assemble(const Table& scenario) {
     a.shadows.emplace_back(component(block(pair, "observer"), where + ".observer", "passthrough"),
                            component(block(pair, "detector"), where + ".detector", "none"));
   }
+  fill_from_sensors(a);
   a.record = block(scenario, "record");
   return a;
 }
