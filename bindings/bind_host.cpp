@@ -74,7 +74,7 @@ py::dict flight_model(const Compiled& c) {
                          "orbit_rate"_a = v.orbit_rate,
                          "coordinates"_a = v.coordinates == Coordinates::body ? "body" : "euler_angles");
   return py::dict("dt"_a = m.setup.dt, "vehicle"_a = vehicle, "allow_unstable"_a = m.allow_unstable,
-                  "components"_a = components,
+                  "components"_a = components, "capacity"_a = m.capacity,
                   "bytes"_a = py::dict("double"_a = m.bytes_double, "float"_a = m.bytes_float));
 }
 

@@ -31,9 +31,8 @@ def write_header(code: FlightCode, folder: Path, namespace: str | None = None) -
     """``<name>.hpp``, and what it includes in ``include/``."""
     values = names(code) | _parts(code) | {"namespace": namespace or code.name}
     (folder / f"{code.name}.hpp").write_text(filled("cpp/flight.hpp", values), encoding="utf-8")
-    copy_headers(
-        [*BASE_HEADERS, "gyrostat/flight/facade.hpp", *(c.header for c in code.components)], folder / "include"
-    )
+    wanted = [*BASE_HEADERS, "gyrostat/flight/facade.hpp", *(c.header for c in code.components)]
+    copy_headers(wanted, folder / "include", code.capacity)
 
 
 def names(code: FlightCode) -> dict[str, object]:
