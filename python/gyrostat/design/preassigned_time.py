@@ -11,6 +11,7 @@ from gyrostat.design.feasible_time import FeasibleTime
 from gyrostat.design.finding import Finding
 from gyrostat.errors import InputError
 from gyrostat.scenario import Scenario
+from gyrostat.vehicle import with_thrusters
 
 Array = NDArray[np.float64]
 
@@ -78,7 +79,7 @@ def findings(scenario: Scenario) -> list[Finding]:
     The smallest feasible time flies some twenty manoeuvres.
     """
     plain = scenario.resolve()
-    law, limit = plain["controller"], plain["vehicle"].get("u_max")
+    law, limit = plain["controller"], with_thrusters(plain).get("u_max")
     if law.get("type") != _law or limit is None or not np.all(np.isfinite(np.asarray(limit, dtype=float))):
         return []
     where = f"controller {_law}"
