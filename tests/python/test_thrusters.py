@@ -230,8 +230,8 @@ def cycles() -> Any:
 
 
 def test_the_free_limit_cycle_is_that_of_the_textbook(cycles: Any) -> None:
-    assert cycles.STEP == pytest.approx(4.1667e-4, rel=1e-4)
-    assert cycles.EDGE == pytest.approx(6.944e-3, rel=1e-3)
+    assert pytest.approx(4.1667e-4, rel=1e-4) == cycles.STEP
+    assert pytest.approx(6.944e-3, rel=1e-3) == cycles.EDGE
     flown, edge, pulses = cycles.free(False, 3e-4)
     assert max(flown.high, -flown.low) < cycles.EDGE
     assert max(flown.high, -flown.low) == pytest.approx(edge, rel=0.03)
@@ -301,7 +301,7 @@ def test_every_component_flies_on_thrusters_through_random_faults() -> None:
     """Nothing non-finite, no exception, no crash; whether it holds is another question."""
     rng = np.random.default_rng(11)
     roles = {
-        role: [n for n in names if n not in ("open_loop",)]
+        role: [n for n in names if n != "open_loop"]
         for role, names in _core.catalogue().items()
         if role in ("observer", "detector", "controller", "allocator")
     }
