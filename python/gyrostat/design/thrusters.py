@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""On/off thrusters under a stack: what their smallest pulse leaves of the pointing, and who allocates to one-sided boxes."""
+"""On/off thrusters under a stack: what their smallest pulse leaves of the pointing, and who knows one-sided limits."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def findings(scenario: Scenario) -> list[Finding]:
         * np.linalg.norm(np.linalg.solve(np.asarray(vehicle["J_B"], dtype=float), axes * smallest), axis=0).max()
     )
     text = (
-        f"{1e3 * smallest.max():.3g} mN m over a sample; it turns the rate by {1e6 * step:.3g} urad/s, and no law holds "
-        "the attitude to less than the limit cycle of that"
+        f"{1e3 * smallest.max():.3g} mN m as a mean of a sample, a step of the rate of {1e6 * step:.3g} urad/s: "
+        "the attitude ends in a limit cycle of that"
     )
     found.append(Finding("thrusters", "smallest pulse", text, None, float(smallest.max())))
     return found

@@ -193,16 +193,15 @@ void FaultyActuatorsOf<List>::deliver_constants() noexcept {
 
 template <class List>
 void FaultyActuatorsOf<List>::command(const VecN<double>& u, double at, double until) {
-  const VecN<double> before = u_;
-  u_ = u;
-  if (actuators_.limit_on == LimitOn::command) u_ = clip(u, actuators_.u_lo, actuators_.u_up);
-  const int first = actuators_.thrusters.first;
+  VecN<double> held = u;
+  if (actuators_.limit_on == LimitOn::command) held = clip(u, actuators_.u_lo, actuators_.u_up);
   for (std::size_t k = 0; k < valves_.size(); ++k) {
-    const int i = first + static_cast<int>(k);
+    const int i = actuators_.thrusters.first + static_cast<int>(k);
     const double level = std::clamp(u[i] / actuators_.u_up[i], 0.0, 1.0);
     valves_[k].command(actuators_.thrusters, level, at, until, [&](double t) { return delays(i, t); });
-    u_[i] = before[i];  // until the new piece
+    held[i] = u_[i];  // until the new piece
   }
+  u_ = held;
   deliver_constants();
 }
 

@@ -74,6 +74,11 @@ struct Span {
 /// One valve: what its drive has made of the commands so far, and when it is open.
 class Valve {
  public:
+  Valve() {
+    drives_.reserve(4);
+    open_.reserve(4);
+  }
+
   /// A command comes at t0 and is held to t1. `delays(t)` says how much later than the drive it opens and closes at t.
   template <class Delays>
   void command(const Thrusters& how, double level, double t0, double t1, const Delays& delays) {
