@@ -208,11 +208,12 @@ def test_wheels_and_thrusters_fly_together() -> None:
 def test_thrusters_bend_appendages_as_one_step_methods_say_too() -> None:
     modes = gs.Flexible(delta=[[3.0, 0.5, 1.0], [-0.5, 2.0, -1.0]], omega=(0.8, 1.7), xi=(0.005, 0.01))
     ends = []
-    for integrator in ({"type": "cvode", "rtol": 1e-12, "atol": 1e-15}, "auto", {"type": "rk4", "substeps": 8}):
+    precise = {"rtol": 1e-12, "atol": 1e-15}
+    for integrator in ({"type": "cvode", **precise}, {"type": "auto", **precise}, {"type": "rk4", "substeps": 8}):
         flown = driven(flexible=modes, faults=FAULTS, integrator=integrator).run(channels=["truth.q_NB", "truth.eta"])
         ends.append(np.concatenate([flown["truth.q_NB"][-1], flown["truth.eta"][-1]]))
     np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-9)
-    np.testing.assert_allclose(ends[2], ends[1], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(ends[2], ends[1], rtol=0, atol=3e-7)
 
 
 def test_axes_and_limits_in_python_are_those_of_flight() -> None:
@@ -228,7 +229,7 @@ def test_axes_and_limits_in_python_are_those_of_flight() -> None:
         np.testing.assert_array_equal(ours["u_min"], flown["u_lo"])
 
 
-# ---- limit cycles -----------------------------------------------------------------------------------------------------
+# ---- limit cycles ---------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -273,7 +274,7 @@ def test_the_table_of_limit_cycles_was_flown(cycles: Any) -> None:
             assert float(a.split(" ")[0]) == pytest.approx(float(b.split(" ")[0]), rel=0.02) if number else a == b
 
 
-# ---- closed loops -----------------------------------------------------------------------------------------------------
+# ---- closed loops ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["twelve_thrusters", "geo_thrusters"])
@@ -350,13 +351,13 @@ def random_faults(rng: np.random.Generator) -> list[Any]:
     return [makers[rng.integers(len(makers))](int(i), float(30.0 * rng.random())) for i in which]
 
 
-# ---- what does not fit ------------------------------------------------------------------------------------------------
+# ---- what does not fit ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"positions": [[0.02, -0.01, 1.0]] * 12, "directions": [[0, 0, 1]] * 12}, r"thruster 0 makes no torque about the"),
+        ({"positions": [[0.02, -0.01, 1.0]] * 12, "directions": [[0, 0, 1]] * 12}, r"thruster 0 makes no torque"),
         ({"tick": 0.3}, r"thrusters: the period of 0\.5 s is not a whole number of ticks of 0\.3 s"),
         ({"thrust": -1.0}, r"thrusters: thrust = -1 is outside \[0, "),
         ({"thrust": [1.0] * 11 + [0.0]}, r"thrusters: thruster 11: thrust must be positive"),
