@@ -15,6 +15,7 @@ import pytest
 import gyrostat as gs
 from gyrostat import _core
 from gyrostat.design import thrusters as check
+from gyrostat.export import export
 from gyrostat.vehicle import twelve_thrusters, with_thrusters
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -331,6 +332,24 @@ def test_every_component_flies_on_thrusters_through_random_faults() -> None:
             assert result.completed, (role, name, result.status)
             for channel in ("truth.omega_BN_B", "allocation.u", "estimate.d_B", "estimate.effectiveness"):
                 assert np.isfinite(result[channel]).all(), (role, name, channel)
+
+
+def test_an_experiment_varies_thrusters() -> None:
+    scenario = gs.Scenario.load("twelve_thrusters").replace(duration=60.0)
+    experiment = gs.Experiment(scenario, vary=["thrusters.thrust", "thrusters.propellant_mass", "faults.0.t_on"])
+    values = [2.0, 1e-3, 20.0]
+    alone = experiment.scenario(values).run(channels=["error.angle"])["error.angle"][-1]
+    assert experiment.fly([values])["final_error"][0] == alone.item()
+
+
+def test_exported_code_rounds_too(tmp_path: Path) -> None:
+    export(gs.Scenario.load("twelve_thrusters"), "cpp", tmp_path / "out", samples=10)
+    (header,) = (tmp_path / "out").glob("*.hpp")
+    text = header.read_text()
+    for name, value in (("u_quantum", "0.025"), ("u_dead", "0.05"), ("u_gap", "0.05")):
+        assert f"v.{name} << " + ", ".join([f"S({value})"] * 12) in text
+    export(gs.Scenario.load("ftc_4rw"), "cpp", tmp_path / "wheels", samples=10)
+    assert "u_quantum" not in next((tmp_path / "wheels").glob("*.hpp")).read_text()
 
 
 def random_faults(rng: np.random.Generator) -> list[Any]:

@@ -55,7 +55,8 @@ class FaultyActuatorsOf {
   double next_switch(double t) const noexcept;
   /// Begins the smooth piece that contains `branch` at time t, under the command held so far.
   void enter(double t, double branch) noexcept;
-  /// Holds a new command. Where there are valves `at` and `until` say from when to when, and a new piece begins with it.
+  /// Holds a new command. Where there are valves `at` and `until` say from when to when (no more than a period where
+  /// it is for ever), and a new piece begins with it.
   void command(const VecN<double>& u, double at = 0, double until = infinity);
   bool dry() const noexcept { return dry_; }
   bool has_valves() const noexcept { return !valves_.empty(); }
@@ -195,6 +196,7 @@ template <class List>
 void FaultyActuatorsOf<List>::command(const VecN<double>& u, double at, double until) {
   VecN<double> held = u;
   if (actuators_.limit_on == LimitOn::command) held = clip(u, actuators_.u_lo, actuators_.u_up);
+  if (until == infinity) until = at + actuators_.thrusters.period;
   for (std::size_t k = 0; k < valves_.size(); ++k) {
     const int i = actuators_.thrusters.first + static_cast<int>(k);
     const double level = std::clamp(u[i] / actuators_.u_up[i], 0.0, 1.0);
