@@ -11,7 +11,6 @@ from gyrostat.design.feasible_time import FeasibleTime
 from gyrostat.design.finding import Finding
 from gyrostat.errors import InputError
 from gyrostat.scenario import Scenario
-from gyrostat.vehicle import with_thrusters
 
 Array = NDArray[np.float64]
 
@@ -74,12 +73,12 @@ def smallest_feasible_time(scenario: Scenario, tolerance: float = 1e-3) -> Feasi
 
 
 def findings(scenario: Scenario) -> list[Finding]:
-    """What ``gyrostat check`` says about a preassigned time; nothing without limits or for another law.
+    """What ``gyrostat check`` says about a preassigned time; nothing without limits, with thrusters or for another law.
 
     The smallest feasible time flies some twenty manoeuvres.
     """
     plain = scenario.resolve()
-    law, limit = plain["controller"], with_thrusters(plain).get("u_max")
+    law, limit = plain["controller"], None if scenario.thrusters is not None else plain["vehicle"].get("u_max")
     if law.get("type") != _law or limit is None or not np.all(np.isfinite(np.asarray(limit, dtype=float))):
         return []
     where = f"controller {_law}"
