@@ -70,6 +70,8 @@ py::dict flight_model(const Compiled& c) {
   const py::dict vehicle("J_B"_a = to_python(host::write(v.J_B)), "D_B"_a = to_python(host::write(v.D_B)),
                          "u_lo"_a = to_python(host::write(v.u_lo)), "u_up"_a = to_python(host::write(v.u_up)),
                          "u_rate"_a = to_python(host::write(v.u_rate)), "h_max"_a = to_python(host::write(v.h_max)),
+                         "u_quantum"_a = to_python(host::write(v.u_quantum)),
+                         "u_dead"_a = to_python(host::write(v.u_dead)), "u_gap"_a = to_python(host::write(v.u_gap)),
                          "spare"_a = to_python(host::write(v.spare)), "wheels"_a = to_python(host::write(v.wheels)),
                          "orbit_rate"_a = v.orbit_rate,
                          "coordinates"_a = v.coordinates == Coordinates::body ? "body" : "euler_angles");

@@ -93,6 +93,13 @@ def _vehicle(code: FlightCode) -> list[str]:
     lines += [f"v.D_B.resize(3, {n});", f"v.D_B << {filled_with(v['D_B'])};  // axes in columns"]
     for limit, unit in (("u_lo", "N m"), ("u_up", "N m"), ("u_rate", "N m/s"), ("h_max", "N m s")):
         lines += [f"v.{limit}.resize({n});", f"v.{limit} << {filled_with([v[limit]])};  // {unit}"]
+    if v["u_quantum"]:
+        for pulse, meaning in (
+            ("u_quantum", "a tick of the valves"),
+            ("u_dead", "least pulse"),
+            ("u_gap", "least pause"),
+        ):
+            lines += [f"v.{pulse}.resize({n});", f"v.{pulse} << {filled_with([v[pulse]])};  // N m, {meaning}"]
     for mask in ("spare", "wheels"):
         lines += [f"v.{mask}.set({i});" for i in v[mask]]
     if v["orbit_rate"]:
