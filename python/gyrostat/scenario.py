@@ -19,7 +19,7 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.memory import available_memory
 from gyrostat.model import Model
 from gyrostat.text import shown
-from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
+from gyrostat.vehicle import ControlMomentGyros, Flexible, Initial, Truth, Vehicle, standing
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
@@ -137,6 +137,8 @@ class Scenario(Model):
         What really flies where it differs, and the state at t = 0.
     flexible
         Appendages of the true vehicle that bend.
+    cmg
+        Control moment gyros, behind the actuators of the vehicle.
     navigator, observer, detector, controller, allocator
         Components of the flight stack, or Python objects with a ``step`` (see `gyrostat.protocols`).
     reference, integrator
@@ -181,6 +183,7 @@ class Scenario(Model):
     vehicle: Vehicle
     truth: Truth | None = None
     flexible: Flexible | None = None
+    cmg: ControlMomentGyros | None = None
     initial: Initial | None = None
     navigator: _Navigator = None
     observer: _Observer = None
@@ -275,6 +278,15 @@ class Scenario(Model):
         for key, value in changes.items():
             _set(tables, key, value)
         return type(self).from_dict(tables)
+
+    @property
+    def actuators(self) -> int:
+        """Number of actuators, control moment gyros included."""
+        return self.vehicle.actuators + (0 if self.cmg is None else self.cmg.count)
+
+    def standing(self) -> Scenario:
+        """The scenario with gimbals that do not turn (`gyrostat.vehicle.standing`); itself without gyros."""
+        return self if self.cmg is None else type(self).from_dict(standing(self.to_dict()))
 
     def check(self) -> list[dict[str, Any]]:
         """Build everything without running; one row a component check, with the number and the limit it was held to.
@@ -417,7 +429,7 @@ def shipped() -> dict[str, Path]:
 
 def _table(value: Any) -> Any:
     """Plain form of a field of a scenario."""
-    if isinstance(value, Component | Vehicle | Truth | Flexible | Initial):
+    if isinstance(value, Component | Vehicle | Truth | Flexible | ControlMomentGyros | Initial):
         return value.to_dict()
     if isinstance(value, Model):
         return {k: _table(v) for k, v in value if v is not None}

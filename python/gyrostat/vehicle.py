@@ -6,12 +6,16 @@ A key that is not given keeps the default of the C++ description; ``gyrostat des
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrostat.components import Matrix, Vector
 from gyrostat.model import Block, Leaf
+
+Array = NDArray[np.float64]
 
 
 class Vehicle(Block):
@@ -22,7 +26,8 @@ class Vehicle(Block):
     J_B
         Inertia of the whole vehicle, wheels included, kg m^2: three rows, or three numbers for a diagonal one.
     D_B
-        Actuator axes in columns, body frame: three rows of as many numbers as there are actuators (1 to 16).
+        Actuator axes in columns, body frame: three rows of as many numbers as there are actuators (1 to 16). May be
+        absent where all actuators are control moment gyros.
     u_max, u_min
         Limits of the command, N m: a number or one an actuator. Without ``u_max`` flight knows no limit.
     u_rate
@@ -41,7 +46,7 @@ class Vehicle(Block):
     """
 
     J_B: Leaf[Matrix | Vector]
-    D_B: Leaf[Matrix]
+    D_B: Leaf[Matrix | None] = None
     u_max: Leaf[float | Vector | None] = None
     u_min: Leaf[float | Vector | None] = None
     u_rate: Leaf[float | Vector | None] = None
@@ -53,8 +58,8 @@ class Vehicle(Block):
 
     @property
     def actuators(self) -> int:
-        """Number of actuators."""
-        return int(np.shape(self.D_B)[1])
+        """Number of actuators in ``D_B``."""
+        return 0 if self.D_B is None else int(np.shape(self.D_B)[1])
 
 
 class Truth(Block):
@@ -90,6 +95,69 @@ class Flexible(Block):
     xi: Leaf[Vector | None] = None
     eta: Leaf[Vector | None] = None
     eta_rate: Leaf[Vector | None] = None
+
+
+class ControlMomentGyros(Block):
+    """Single-gimbal control moment gyros: actuators behind those of the vehicle's ``D_B``, known to flight as they are.
+
+    A command (N m) turns gimbal i at ``u_i / rotor_momentum_i``; its limit is ``rotor_momentum rate_max``.
+
+    Parameters
+    ----------
+    gimbal_axes, spin_axes
+        A row a gyro: unit vector along its gimbal axis, and along its rotor at gimbal angle zero, perpendicular to it.
+    rotor_momentum
+        Of each rotor, N m s: a number or one a gyro.
+    rate_max
+        Fastest gimbal, rad/s: a number or one a gyro.
+    angles
+        Of the gimbals at t = 0, rad; 0 when not given.
+    """
+
+    gimbal_axes: Leaf[Matrix]
+    spin_axes: Leaf[Matrix]
+    rotor_momentum: Leaf[float | Vector]
+    rate_max: Leaf[float | Vector]
+    angles: Leaf[float | Vector | None] = None
+
+    @property
+    def count(self) -> int:
+        """Number of gyros."""
+        return len(np.atleast_2d(np.asarray(self.gimbal_axes, dtype=float)))
+
+    def axes_B(self, angles: Vector | None = None) -> Array:
+        """(3, n) axes along which commands act, at these gimbal angles (rad) or at those of the start."""
+        chosen = self.angles if angles is None else angles
+        g, s = (np.atleast_2d(np.asarray(rows, dtype=float)) for rows in (self.gimbal_axes, self.spin_axes))
+        turned = np.broadcast_to(np.asarray(0.0 if chosen is None else chosen, dtype=float), len(g))[:, None]
+        return np.asarray((np.sin(turned) * s - np.cos(turned) * np.cross(g, s)).T)
+
+    @property
+    def u_max(self) -> Array:
+        """(n,) N m, largest commands."""
+        product = np.asarray(self.rotor_momentum, dtype=float) * np.asarray(self.rate_max, dtype=float)
+        return np.array(np.broadcast_to(product, self.count))
+
+
+def standing(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables of a scenario whose gimbals do not turn: each gyro is an ideal torquer along its axis at the start.
+
+    What asks for the axes of a vehicle's actuators once looks at this; without gyros it is the scenario itself.
+    """
+    given = dict(tables)
+    block = given.pop("cmg", None)
+    if block is None:
+        return given
+    gyros = block if isinstance(block, ControlMomentGyros) else ControlMomentGyros(**block)
+    vehicle = dict(given["vehicle"])
+    others = np.zeros((3, 0)) if vehicle.get("D_B") is None else np.asarray(vehicle["D_B"], dtype=float)
+    n = others.shape[1] + gyros.count
+    u_max = np.array(np.broadcast_to(np.asarray(vehicle.get("u_max") or np.inf, dtype=float), n))
+    u_max[others.shape[1] :] = np.minimum(u_max[others.shape[1] :], gyros.u_max)
+    vehicle["D_B"] = np.hstack([others, gyros.axes_B()]).tolist()
+    vehicle["u_max"] = u_max.tolist()
+    faults = [fault for fault in given.get("faults", ()) if fault["type"] != "rotor_slow_down"]
+    return given | {"vehicle": vehicle, "faults": faults}
 
 
 class Initial(Block):
@@ -157,3 +225,17 @@ def flexible_4() -> tuple[Vehicle, Flexible]:
     )
     modes = Flexible(delta=delta, omega=(0.7681, 1.1038, 1.8733, 2.5496), xi=(0.0056, 0.0086, 0.0128, 0.0252))
     return vehicle, modes
+
+
+def cmg4(
+    *, J_B: Matrix | Vector = (120.0, 100.0, 120.0), rotor_momentum: float = 20.0, rate_max: float = 1.0
+) -> tuple[Vehicle, ControlMomentGyros]:
+    """Four control moment gyros on the pyramid of 54.74 deg, whose envelope is nearly a sphere, and the body they turn.
+
+    The arrangement of most publications on singular gimbals (Kurokawa 1998; Wie 2008).
+    """
+    across, up = np.sqrt(2.0 / 3.0), np.sqrt(1.0 / 3.0)
+    gimbal = ((across, 0.0, up), (0.0, across, up), (-across, 0.0, up), (0.0, -across, up))
+    spin = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
+    gyros = ControlMomentGyros(gimbal_axes=gimbal, spin_axes=spin, rotor_momentum=rotor_momentum, rate_max=rate_max)
+    return Vehicle(J_B=J_B), gyros

@@ -12,6 +12,7 @@ from gyrostat.allocation import DEFAULT_RANK_TOLERANCE, AttainableSet, attainabl
 from gyrostat.design.finding import Finding
 from gyrostat.design.idle import faults_alone
 from gyrostat.scenario import Scenario
+from gyrostat.vehicle import standing
 
 Floats = NDArray[np.float64]
 
@@ -72,7 +73,7 @@ def _rank_tolerance(scenario: Scenario) -> float:
 
 def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
     """Axes (3, n) and limits (n,) that really fly; spares that nobody enables have none."""
-    plain = scenario.resolve()
+    plain = standing(scenario.resolve())
     truth = plain.get("truth", {})
     D = np.asarray(plain["vehicle"]["D_B"], float)
     if truth.get("dD_B") is not None:

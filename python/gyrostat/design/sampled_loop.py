@@ -144,6 +144,7 @@ def loop_margin(scenario: Scenario) -> LoopMargin:
     What is stable is taken to be one range of effectiveness that holds 1. Both limits are nan when the healthy loop
     does not settle.
     """
+    scenario = scenario.standing()
     healthy = trial(scenario, 1.0)
     if not settles(scenario, 1.0):
         return LoopMargin(math.nan, math.nan, healthy)

@@ -170,6 +170,8 @@ def _refuse_host_only(scenario: Scenario) -> None:
             raise InputError(
                 f"{role}: {type(part).__name__} is a Python object; only components of the catalogue have C++"
             )
+    if scenario.cmg is not None:
+        raise InputError("cmg: a vehicle with control moment gyros cannot be exported yet: its axes move")
     if scenario.shadows:
         raise InputError("shadows are not part of the flight stack: export without them (--set shadows=[])")
 

@@ -18,7 +18,7 @@ inline constexpr double infinite = std::numeric_limits<double>::infinity();
 struct VehicleBlock {
   static constexpr const char* name = "vehicle";
   Mat3<double> J_B = Mat3<double>::Constant(detail::none);
-  Mat3N<double> D_B = Mat3N<double>::Constant(3, 1, detail::none);
+  Mat3N<double> D_B{3, 0};
   VecN<double> u_max, u_min, u_rate, wheel_inertia, momentum_max;
   Mask spare;
   double orbit_rate = 0;
@@ -27,7 +27,8 @@ struct VehicleBlock {
   static constexpr void describe(auto& p, auto&& field) {
     field(p.J_B,
           Field{"J_B", "kg m^2", -1e9, 1e9, "inertia of the whole vehicle, wheels included; 3 numbers are a diagonal"});
-    field(p.D_B, Field{"D_B", "", -1e6, 1e6, "actuator axes in columns, body frame"});
+    field(p.D_B,
+          Field{"D_B", "", -1e6, 1e6, "actuator axes in columns, body frame; absent with [cmg]: no other actuators"});
     field(p.u_max, Field{"u_max", "N m", -detail::infinite, detail::infinite,
                          "largest command that flight knows of; absent: no limit"});
     field(p.u_min, Field{"u_min", "N m", -detail::infinite, detail::infinite, "smallest command; absent: -u_max"});
@@ -100,6 +101,23 @@ struct FlexibleBlock {
     field(p.xi, Field{"xi", "", 0, 1, "damping ratio of each mode; absent: 0.005"});
     field(p.eta, Field{"eta", "kg^1/2 m", -1e6, 1e6, "displacement of each mode at t = 0; absent: 0"});
     field(p.eta_rate, Field{"eta_rate", "kg^1/2 m/s", -1e6, 1e6, "its rate at t = 0; absent: 0"});
+  }
+};
+
+/// Control moment gyros: actuators behind those of the vehicle's D_B, known to flight as they are.
+struct CmgBlock {
+  static constexpr const char* name = "cmg";
+  std::vector<std::vector<double>> gimbal_axes, spin_axes;
+  VecN<double> rotor_momentum, rate_max, angles;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.gimbal_axes, Field{"gimbal_axes", "", -1.1, 1.1, "unit vector along each gimbal axis; a row a gyro"});
+    field(p.spin_axes, Field{"spin_axes", "", -1.1, 1.1,
+                             "unit vector along each rotor at gimbal angle zero, perpendicular to the gimbal axis"});
+    field(p.rotor_momentum, Field{"rotor_momentum", "N m s", 0, 1e9, "of each rotor, > 0"});
+    field(p.rate_max,
+          Field{"rate_max", "rad/s", 0, 1e6, "fastest gimbal, > 0: commands are limited to rotor_momentum rate_max"});
+    field(p.angles, Field{"angles", "rad", -1e6, 1e6, "of each gimbal at t = 0; absent: 0"});
   }
 };
 

@@ -248,7 +248,7 @@ void HeldPlant::take_up_storage(double x) noexcept {
 
 InnerRates HeldPlant::inner_rates() const noexcept {
   Vec3<double> held{y_[4], y_[5], y_[6]};
-  if (outer_.any()) held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w);
+  if (outer_.any()) held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w) + turning_others_B_;
   const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
   return {std::sqrt(2 * (state_.omega_BN_B.squaredNorm() + precession2)), bending_rate_, friction_rate_};
 }

@@ -98,6 +98,8 @@ class HeldPlant {
   double bending_rate_ = 0;   ///< rad/s, of the quickest mode of an appendage
   double friction_rate_ = 0;  ///< 1/s, at which the quickest speed dies out in viscous friction
   bool looks_ahead_ = false;  ///< pieces are flown a step at a time
+  Vec3<double> turning_others_B_ =
+      Vec3<double>::Zero();  ///< N m s, beside body and wheels, that turns with the vehicle
   FaultyActuators actuators_;
   Disturbances external_;
   double dt_;

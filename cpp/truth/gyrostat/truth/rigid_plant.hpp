@@ -17,7 +17,9 @@ class RigidPlantOf final : public HeldPlant {
       : RigidPlantOf(all_effectors(model, std::move(others)), model, initial, dt) {}
 
   Measurement<double> measure(Sensors& sensors) const {
-    return sensors.measure(tick(), state_.q_NB, state_.omega_BN_B, state_.h_w);
+    Measurement<double> y = sensors.measure(tick(), state_.q_NB, state_.omega_BN_B, state_.h_w);
+    y.gimbal = state_.gimbal;
+    return y;
   }
   TruthSample sample() const;
   EulerState<double> euler() const noexcept;
@@ -37,7 +39,7 @@ class RigidPlantOf final : public HeldPlant {
   };
 
   RigidPlantOf(List effectors, PlantModel& model, const InitialState& initial, double dt);
-  static List all_effectors(const PlantModel& model, List others);
+  static List all_effectors(PlantModel& model, List others);
   static Mat3<double> total_inertia(const Mat3<double>& J_B, const List& effectors);
   void list_effectors();
   void look_at_modes();

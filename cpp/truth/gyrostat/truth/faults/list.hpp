@@ -9,10 +9,12 @@
 #include "gyrostat/truth/faults/intermittent.hpp"
 #include "gyrostat/truth/faults/lock.hpp"
 #include "gyrostat/truth/faults/loss_of_effectiveness.hpp"
+#include "gyrostat/truth/faults/rotor_slow_down.hpp"
 #include "gyrostat/truth/faults/stuck.hpp"
 
 namespace gyrostat::truth {
 
-using Fault = FaultList<LossOfEffectiveness, Bias, StuckOutput, HardOver, Dead, Lock, Drift, Intermittent, DeadZone>;
+using Fault = FaultList<LossOfEffectiveness, Bias, StuckOutput, HardOver, Dead, Lock, Drift, Intermittent, DeadZone,
+                        RotorSlowDown>;
 
 }  // namespace gyrostat::truth
