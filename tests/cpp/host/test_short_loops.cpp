@@ -66,10 +66,11 @@ Table part(const std::string& family, const std::string& name) {
 Table on_gyros() {
   Table s = base();
   s.set("vehicle", Table{{"J_B", row({20, 17, 15})}});
-  s.set("cmg", Table{{"gimbal_axes", List{row({0.8, 0, 0.6}), row({0, 0.8, 0.6}), row({-0.8, 0, 0.6}), row({0, -0.8, 0.6})}},
-                     {"spin_axes", List{row({0, 1, 0}), row({-1, 0, 0}), row({0, -1, 0}), row({1, 0, 0})}},
-                     {"rotor_momentum", 2.0},
-                     {"rate_max", 0.5}});
+  s.set("cmg",
+        Table{{"gimbal_axes", List{row({0.8, 0, 0.6}), row({0, 0.8, 0.6}), row({-0.8, 0, 0.6}), row({0, -0.8, 0.6})}},
+              {"spin_axes", List{row({0, 1, 0}), row({-1, 0, 0}), row({0, -1, 0}), row({1, 0, 0})}},
+              {"rotor_momentum", 2.0},
+              {"rate_max", 0.5}});
   return s;
 }
 
