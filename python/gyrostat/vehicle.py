@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gyrostat.components import Matrix, Vector
 from gyrostat.model import Block, Leaf
@@ -112,6 +112,8 @@ class ControlMomentGyros(Block):
         Fastest gimbal, rad/s: a number or one a gyro.
     angles
         Of the gimbals at t = 0, rad; 0 when not given.
+    angle_max
+        Of the stops of the gimbals, on both sides, rad; flight does not know of them. None when not given.
     """
 
     gimbal_axes: Leaf[Matrix]
@@ -119,18 +121,24 @@ class ControlMomentGyros(Block):
     rotor_momentum: Leaf[float | Vector]
     rate_max: Leaf[float | Vector]
     angles: Leaf[float | Vector | None] = None
+    angle_max: Leaf[float | Vector | None] = None
 
     @property
     def count(self) -> int:
         """Number of gyros."""
         return len(np.atleast_2d(np.asarray(self.gimbal_axes, dtype=float)))
 
-    def axes_B(self, angles: Vector | None = None) -> Array:
-        """(3, n) axes along which commands act, at these gimbal angles (rad) or at those of the start."""
-        chosen = self.angles if angles is None else angles
+    def turned(self, angles: ArrayLike) -> tuple[Array, Array]:
+        """(..., 3, n) axes of commands, and of rotors, at gimbal angles (..., n), rad."""
         g, s = (np.atleast_2d(np.asarray(rows, dtype=float)) for rows in (self.gimbal_axes, self.spin_axes))
-        turned = np.broadcast_to(np.asarray(0.0 if chosen is None else chosen, dtype=float), len(g))[:, None]
-        return np.asarray((np.sin(turned) * s - np.cos(turned) * np.cross(g, s)).T)
+        angle = np.asarray(angles, dtype=float)[..., None, :]
+        cos, sin, spin, across = np.cos(angle), np.sin(angle), s.T, np.cross(g, s).T
+        return sin * spin - cos * across, cos * spin + sin * across
+
+    def axes_B(self) -> Array:
+        """(3, n) axes along which commands act at the start."""
+        start = 0.0 if self.angles is None else np.asarray(self.angles, dtype=float)
+        return self.turned(np.broadcast_to(start, self.count))[0]
 
     @property
     def u_max(self) -> Array:

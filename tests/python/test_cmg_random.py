@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ import gyrostat as gs
 from gyrostat import _core
 
 ROLES = ("observer", "detector", "controller", "allocator")
+KINDS = ("loss_of_effectiveness", "bias", "dead", "stuck", "hard_over", "drift", "lock", "rotor_slow_down")
 SHOWN = ["error.angle", "truth.omega_BN_B", "allocation.u", "allocation.status", "estimate.effectiveness"]
 
 
@@ -22,7 +22,7 @@ def flown(**parts: Any) -> gs.Result:
 
 
 def random_fault(rng: np.random.Generator) -> dict[str, Any]:
-    kind = rng.choice(["loss_of_effectiveness", "bias", "dead", "stuck", "hard_over", "drift", "lock", "rotor_slow_down"])
+    kind = rng.choice(KINDS)
     fault: dict[str, Any] = {"type": str(kind), "actuator": int(rng.integers(4)), "t_on": float(rng.uniform(0.0, 15.0))}
     numbers = {
         "loss_of_effectiveness": {"remaining": rng.uniform(0.0, 1.0)},

@@ -15,7 +15,7 @@ from gyrostat.page import geometry, marks, panels
 from gyrostat.page.packing import clock, cost, pack, pack_indices
 from gyrostat.results import Result
 from gyrostat.thinning import within
-from gyrostat.vehicle import standing
+from gyrostat.vehicle import ControlMomentGyros, standing
 
 Array = NDArray[np.float64]
 
@@ -34,6 +34,8 @@ _channels = (
     "truth.q_NB",
     "truth.omega_BN_B",
     "truth.h_w",
+    "truth.gimbal",
+    "truth.rotor_momentum",
     "truth.delivered",
     "truth.effectiveness",
     "truth.lumped_B",
@@ -169,12 +171,27 @@ def _arrows(result: Result) -> list[tuple[str, str, str, Array]]:
     D = np.asarray(vehicle["D_B"], dtype=float)
     found: list[tuple[str, str, str, Array]] = []
     rate, h = (result.channels.get(name) for name in ("truth.omega_BN_B", "truth.h_w"))
+    rotors: Array | float = 0.0
+    block = result.description.get("cmg")
+    if block is not None:
+        gimbal, stored = (result.channels.get(name) for name in ("truth.gimbal", "truth.rotor_momentum"))
+        if gimbal is None or stored is None:
+            return found
+        gyros = ControlMomentGyros(**block)
+        others = D.shape[1] - gyros.count
+        axes, spin = gyros.turned(gimbal[:, others:])
+        D = np.concatenate([np.broadcast_to(D[:, :others], (len(result), 3, others)), axes], axis=2)
+        rotors = np.einsum("kij,kj->ki", spin, stored[:, others:])
+
+    def along(h: Array) -> Array:
+        return np.asarray(np.einsum("kij,kj->ki", D, h) if D.ndim == 3 else h @ D.T)
+
     if rate is not None and h is not None:
-        momentum = rate @ geometry.body_inertia(vehicle).T + h @ D.T
+        momentum = rate @ geometry.body_inertia(vehicle).T + along(h) + rotors
         found.append(("momentum", "angular momentum", "N m s", momentum))
     delivered = result.channels.get("truth.delivered")
     if delivered is not None:
-        found.append(("torque", "torque of the actuators", "N m", delivered @ D.T))
+        found.append(("torque", "torque of the actuators", "N m", along(delivered)))
     if "truth.lumped_B" in result.channels:
         found.append(("lumped", "lumped torque", "N m", result["truth.lumped_B"]))
     return found

@@ -163,7 +163,10 @@ std::vector<truth::ControlMomentGyro> read_gyros(const Table& table, int first, 
     if (!(c.rotor_momentum[i] > 0)) refuse(gyro + "rotor_momentum must be positive");
     if (!(c.rate_max[i] > 0)) refuse(gyro + "rate_max must be positive");
     const double angle = c.angles.size() == 0 ? 0.0 : c.angles[i];
-    gyros.push_back({first + i, g, (s - g.dot(s) * g).normalized(), c.rotor_momentum[i], angle, {}});
+    const double most = c.angle_max.size() == 0 ? detail::infinite : c.angle_max[i];
+    if (std::abs(angle) > most)
+      refuse(gyro + "angles = " + number_text(angle) + " rad is beyond angle_max = " + number_text(most) + " rad");
+    gyros.push_back({first + i, g, (s - g.dot(s) * g).normalized(), c.rotor_momentum[i], angle, most, {}});
   }
   return gyros;
 }

@@ -108,7 +108,7 @@ struct FlexibleBlock {
 struct CmgBlock {
   static constexpr const char* name = "cmg";
   std::vector<std::vector<double>> gimbal_axes, spin_axes;
-  VecN<double> rotor_momentum, rate_max, angles;
+  VecN<double> rotor_momentum, rate_max, angles, angle_max;
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.gimbal_axes, Field{"gimbal_axes", "", -1.1, 1.1, "unit vector along each gimbal axis; a row a gyro"});
@@ -118,6 +118,8 @@ struct CmgBlock {
     field(p.rate_max,
           Field{"rate_max", "rad/s", 0, 1e6, "fastest gimbal, > 0: commands are limited to rotor_momentum rate_max"});
     field(p.angles, Field{"angles", "rad", -1e6, 1e6, "of each gimbal at t = 0; absent: 0"});
+    field(p.angle_max, Field{"angle_max", "rad", 0, detail::infinite,
+                             "of the stops of each gimbal, on both sides; flight does not know of them; absent: none"});
   }
 };
 

@@ -42,6 +42,7 @@ class RigidPlantOf final : public HeldPlant {
   static List all_effectors(PlantModel& model, List others);
   static Mat3<double> total_inertia(const Mat3<double>& J_B, const List& effectors);
   void list_effectors();
+  void set_up_gimbals(const std::vector<ControlMomentGyro>& gyros);
   void look_at_modes();
 
   double fly_piece(double t1) override;
@@ -81,7 +82,7 @@ class RigidPlantOf final : public HeldPlant {
     double impulse = 0, torque = 0;  ///< P, and the drive of its channel
   };
   auto driven_now() const noexcept {
-    return [this](int i) { return Driven{stored(i), actuators_.delivered(i, t_)}; };
+    return [this](int i) { return Driven{stored(i), delivered(i)}; };
   }
   auto driven_at(double x) const noexcept {
     return [this, x](int i) { return Driven{stored(i, x), value(delivered_[static_cast<std::size_t>(i)], x)}; };

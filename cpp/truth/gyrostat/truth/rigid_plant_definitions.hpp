@@ -139,7 +139,7 @@ RigidPlantOf<List>::RigidPlantOf(List effectors, PlantModel& model, const Initia
   const double norm = initial.q_NB.norm();
   detail::refuse_if(!(norm > 0) || !std::isfinite(norm), "plant: the initial quaternion must be finite and not zero");
   list_effectors();
-  if (!model.gyros.empty()) state_.gimbal = state_.rotor_momentum = VecN<double>::Zero(actuators_.size());
+  if (!model.gyros.empty()) set_up_gimbals(model.gyros);
   for (int i = 0; i < actuators_.size(); ++i) {
     detail::refuse_if(!is_wheel(i) && stored_[i] != 0, "plant: h_w of an ideal torquer must be zero");
     detail::refuse_if(is_wheel(i) && std::abs(stored_[i]) > wheel(i).momentum_max,
@@ -156,6 +156,22 @@ RigidPlantOf<List>::RigidPlantOf(List effectors, PlantModel& model, const Initia
   if (others_fly()) H_B += others(scene, y_, driven_now()).momentum_B;
   std::copy_n(std::array{q.w(), q.x(), q.y(), q.z(), H_B[0], H_B[1], H_B[2]}.begin(), rigid_states, y_.begin());
   begin(initial.omega_BN_B);
+}
+
+/// Stops of gimbals are bounds of the impulse: the angle is a linear function of it.
+template <class List>
+void RigidPlantOf<List>::set_up_gimbals(const std::vector<ControlMomentGyro>& gyros) {
+  const int n = actuators_.size();
+  state_.gimbal = state_.rotor_momentum = VecN<double>::Zero(n);
+  stop_up_ = VecN<double>::Constant(n, infinity);
+  stop_lo_ = -stop_up_;
+  for (const ControlMomentGyro& gyro : gyros) {
+    detail::refuse_if(std::abs(gyro.angle) > gyro.angle_max, "plant: a gimbal starts beyond its stop");
+    if (gyro.angle_max == infinity) continue;
+    stops_.set(gyro.channel);
+    stop_lo_[gyro.channel] = gyro.rotor_momentum * (gyro.angle - gyro.angle_max);
+    stop_up_[gyro.channel] = gyro.rotor_momentum * (gyro.angle + gyro.angle_max);
+  }
 }
 
 /// Which channels are what, and where the states of friction wheels are.

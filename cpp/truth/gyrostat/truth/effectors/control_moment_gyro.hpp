@@ -27,6 +27,7 @@ struct ControlMomentGyro {
       Vec3<double>::UnitX();              ///< of the rotor at gimbal angle zero, perpendicular to the gimbal axis
   double rotor_momentum = 1;              ///< N m s, h0: what the rotor holds while it is healthy
   double angle = 0;                       ///< rad, at the start
+  double angle_max = infinity;            ///< rad, of the stops on both sides
   std::vector<RotorSlowDown> slow_downs;  ///< over before or when the rotor is at rest
 
   Mat3<double> inertia_B() const { return Mat3<double>::Zero(); }
