@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -396,15 +398,47 @@ def test_what_asks_for_axes_once_sees_those_of_the_start() -> None:
     assert standing(tables) == tables
 
 
-def test_export_is_refused_in_one_line(tmp_path: Any) -> None:
+def test_exported_to_c_the_stack_repeats_its_loop(tmp_path: Path) -> None:
+    from gyrostat.export import export
+    from gyrostat.export.compiler import find_compiler, find_eigen
+
+    folder = tmp_path / "code"
+    code = export(gs.Scenario.load("agile_cmg"), "c", folder, samples=1201, name="agile")
+    assert code.columns["measurement.gimbal"] == 4
+    compiler = str(find_compiler())
+    include = [f"-I{folder}", f"-I{folder / 'include'}", f"-I{find_eigen()}"]
+    flags = ["-O0", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", *include]
+    library = [compiler, "-std=c++20", "-fno-exceptions", "-fno-rtti", *flags, "-c", "agile.cpp", "-o", "agile.o"]
+    test = [
+        compiler,
+        "-x",
+        "c",
+        "-std=c99",
+        *flags,
+        "self_test.c",
+        "-x",
+        "none",
+        "agile.o",
+        "-lm",
+        "-lstdc++",
+        "-o",
+        "t",
+    ]
+    for command in (library, test):
+        subprocess.run(command, cwd=folder, check=True, timeout=300)
+    said = subprocess.run([folder / "t"], cwd=folder, check=True, capture_output=True, text=True, timeout=60).stdout
+    assert "1201 samples, largest deviation 0.00e+00" in said, said
+
+
+def test_a_unit_is_refused_in_one_line(tmp_path: Path) -> None:
     from gyrostat.export import export
 
-    with pytest.raises(gs.InputError, match=r"control moment gyros cannot be exported") as error:
-        export(gs.Scenario.load("agile_cmg"), target="c", out=tmp_path / "code")
+    with pytest.raises(gs.InputError, match=r"cmg: target fmu has no input for gimbals") as error:
+        export(gs.Scenario.load("agile_cmg"), "fmu", tmp_path / "code", samples=10)
     assert "\n" not in str(error.value)
 
 
-def test_a_page_turns_with_the_gimbals(tmp_path: Any) -> None:
+def test_a_page_turns_with_the_gimbals(tmp_path: Path) -> None:
     from gyrostat.page.content import _arrows
 
     result = healthy(integrator=PRECISE, controller="open_loop").run(channels=["truth.*", "allocation.u"])

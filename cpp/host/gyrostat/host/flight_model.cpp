@@ -27,7 +27,7 @@ FlightComponent component(const Family<Base>& family, const Assembly& a, const C
 
 FlightModel flight_model(const Assembly& a) {
   const Catalogue& c = catalogue();
-  FlightModel m{a.setup, a.run.allow_unstable, {}, frame_bytes<double>(), frame_bytes<float>()};
+  FlightModel m{a.setup, a.run.allow_unstable, a.plant.gyros, {}, frame_bytes<double>(), frame_bytes<float>()};
   m.components = {component(c.navigators, a, a.navigator), component(c.observers, a, a.observer),
                   component(c.detectors, a, a.detector), component(c.controllers, a, a.controller),
                   component(c.allocators, a, a.allocator)};
@@ -35,6 +35,10 @@ FlightModel flight_model(const Assembly& a) {
   if (a.navigator.type != "none") {  // what it was given, and what it made of it
     m.bytes_double += 2 * padded(sizeof(Measurement<double>));
     m.bytes_float += 2 * padded(sizeof(Measurement<float>));
+  }
+  if (!m.gyros.empty()) {
+    m.bytes_double += padded(sizeof(ControlMomentGyros<double>));
+    m.bytes_float += padded(sizeof(ControlMomentGyros<float>));
   }
   for (const FlightComponent& part : m.components) {
     m.bytes_double += padded(part.cpp.bytes_double);
