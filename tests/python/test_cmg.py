@@ -344,19 +344,14 @@ STEERINGS = {
 
 
 @pytest.mark.parametrize(
-    ("steering", "locked", "most", "end"),
-    [
-        ("sr", False, 12.0, 1e-4),
-        ("gsr", False, 10.0, 1e-4),
-        ("sr", True, 22.0, 0.5),
-        ("gsr", True, 22.0, 0.5),
-    ],
+    ("steering", "locked", "largest", "end"),
+    [("sr", False, 6.93, 1e-5), ("gsr", False, 5.81, 1e-5), ("sr", True, 6.93, 1e-5), ("gsr", True, 17.7, 0.5)],
 )
-def test_a_slew_beyond_the_singular_momentum(steering: str, locked: bool, most: float, end: float) -> None:
+def test_a_slew_beyond_the_singular_momentum(steering: str, locked: bool, largest: float, end: float) -> None:
     result = slewed(STEERINGS[steering], locked)
     angle = np.rad2deg(result["error.angle"])
     assert result.completed
-    assert angle.max() < most
+    assert angle.max() == pytest.approx(largest, rel=0.1)  # of docs/cmg.md
     assert angle[result.t >= 50.0].max() < end
 
 
@@ -405,12 +400,12 @@ def test_exported_to_c_the_stack_repeats_its_loop(tmp_path: Path) -> None:
     folder = tmp_path / "code"
     code = export(gs.Scenario.load("agile_cmg"), "c", folder, samples=1201, name="agile")
     assert code.columns["measurement.gimbal"] == 4
-    compiler = str(find_compiler())
+    compiler = find_compiler()
     include = [f"-I{folder}", f"-I{folder / 'include'}", f"-I{find_eigen()}"]
     flags = ["-O0", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", *include]
-    library = [compiler, "-std=c++20", "-fno-exceptions", "-fno-rtti", *flags, "-c", "agile.cpp", "-o", "agile.o"]
+    library = [*compiler, "-std=c++20", "-fno-exceptions", "-fno-rtti", *flags, "-c", "agile.cpp", "-o", "agile.o"]
     test = [
-        compiler,
+        *compiler,
         "-x",
         "c",
         "-std=c99",

@@ -64,7 +64,10 @@ class SingularityRobust {
   }
 
   /// The previous command is zero again (or the limit nearest to it).
-  void reset() noexcept { u_ = clip<S>(VecN<S>::Zero(vehicle_.actuators()), vehicle_.u_lo, vehicle_.u_up); }
+  void reset() noexcept {
+    u_ = clip<S>(VecN<S>::Zero(vehicle_.actuators()), vehicle_.u_lo, vehicle_.u_up);
+    in_use_ = {};
+  }
 
   [[nodiscard]] Allocation<S> step(const Demand<S>& demand, const Estimate<S>& x, const Detection<S>& det) noexcept {
     const Mat3N<S>& D_B = x.axes.of(vehicle_.D_B);
@@ -76,7 +79,9 @@ class SingularityRobust {
     out.demand_B = demand.tau_B;
     out.achieved_B = torque<S>(D_B, x.effectiveness.cwiseProduct(out.u));
     if (measure_ < params_.m_singular) out.status.set(Flag::singular);
-    if ((out.achieved_B - out.demand_B).norm() > S(1e-3) * demand.tau_B.norm()) out.status.set(Flag::demand_not_met);
+    const S rounding = S(64) * Eigen::NumTraits<S>::epsilon() * out.u.norm();
+    if ((out.achieved_B - out.demand_B).norm() > S(1e-3) * demand.tau_B.norm() + rounding)
+      out.status.set(Flag::demand_not_met);
     u_ = out.u;
     return out;
   }
@@ -95,7 +100,9 @@ class SingularityRobust {
     S squares = S(0), used = S(0);
     for (int i = 0; i < n; ++i) {
       const S e = params_.use_effectiveness ? x.effectiveness[i] : S(1);
-      const bool on = usable.test(i) && !(e < params_.e_min);
+      const S least = in_use_.test(i) ? params_.e_min * (S(2) / S(3)) : params_.e_min;  // no chatter about it
+      const bool on = usable.test(i) && !(e < least);
+      in_use_.set(i, on);
       A.col(i) *= on ? e : S(0);
       if (!on) preferred[i] = S(0);
       const S square = A.col(i).squaredNorm();
@@ -131,6 +138,7 @@ class SingularityRobust {
   VecN<S> du_max_;     ///< N m a sample
   double phase_step_;  ///< rad a sample
   VecN<S> u_;          ///< issued at the previous sample
+  Mask in_use_;        ///< then
   S measure_ = S(0), lambda_ = S(0);
 };
 
