@@ -51,13 +51,13 @@ class ControlMomentGyros {
   /// Angles that are not one an actuator, or not finite: the last that were; before the first, the vehicle's axes.
   Axes<S> operator()(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     if (!any()) return {};
-    if (y.gimbal.size() == vehicle.actuators() && y.gimbal.allFinite()) gimbal_ = y.gimbal;
-    if (gimbal_.size() == 0) return {};
-    Axes<S> axes = at(vehicle, gimbal_, y.h_w);
-    if (axes.D_B != D_B_) {
-      D_B_ = axes.D_B;
+    const bool possible = y.gimbal.size() == vehicle.actuators() && y.gimbal.allFinite();
+    if (possible && (gimbal_.size() == 0 || gimbal_ != y.gimbal)) {
+      gimbal_ = y.gimbal;
       ++revision_;
     }
+    if (gimbal_.size() == 0) return {};
+    Axes<S> axes = at(vehicle, gimbal_, y.h_w);
     axes.revision = revision_;
     return axes;
   }
@@ -67,7 +67,6 @@ class ControlMomentGyros {
   Mat3N<S> spin_B_{3, 0}, transverse_B_{3, 0};
   VecN<S> rotor_momentum_;  ///< N m s
   VecN<S> gimbal_;          ///< rad, the last that could be
-  Mat3N<S> D_B_{3, 0};      ///< of this revision
   std::uint32_t revision_ = 0;
 };
 
