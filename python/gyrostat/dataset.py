@@ -387,7 +387,7 @@ def _hidden(
     """Faults that the commands after them leave without a trace, or with that of another actuator."""
     from pyarrow import parquet
 
-    D = np.asarray(campaign.base.standing().vehicle.D_B, float)
+    D = campaign.base.axes_B
     names = [f"allocation.u.{i}" for i in range(D.shape[1])]
     silent = confused = 0
     with file_errors(folder / "samples.parquet", "cannot be read"):

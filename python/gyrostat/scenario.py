@@ -11,6 +11,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import PlainValidator, ValidationInfo, model_validator
 
 from gyrostat import _core, protocols, toml
@@ -283,6 +285,11 @@ class Scenario(Model):
     def actuators(self) -> int:
         """Number of actuators, control moment gyros included."""
         return self.vehicle.actuators + (0 if self.cmg is None else self.cmg.count)
+
+    @property
+    def axes_B(self) -> NDArray[np.float64]:
+        """(3, n) axes of the actuators as flight knows them, of control moment gyros those of the start."""
+        return np.asarray(standing(self.to_dict())["vehicle"]["D_B"], dtype=float)
 
     def standing(self) -> Scenario:
         """The scenario with gimbals that do not turn (`gyrostat.vehicle.standing`); itself without gyros."""
