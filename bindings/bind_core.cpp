@@ -133,6 +133,7 @@ void bind_signals(py::module_& m) {
   def_mask(vehicle, "spare", &Vehicle<double>::spare, "actuators that are off until a detector enables them");
   def_mask(vehicle, "wheels", &Vehicle<double>::wheels, "actuators that store momentum");
   vehicle.def_readonly("orbit_rate", &Vehicle<double>::orbit_rate, "rad/s");
+  vehicle.def_readonly("moving_axes", &Vehicle<double>::moving_axes, "D_B is where they start; signals have `axes`");
 
   py::class_<Setup<double>>(m, "Setup", "What a component is built for: the nominal vehicle and the period dt (s).")
       .def_readonly("vehicle", &Setup<double>::vehicle)
@@ -150,6 +151,7 @@ void bind_signals(py::module_& m) {
   def_quat(y, "q_NB", &Measurement<double>::q_NB, "(4,) scalar first; sign continuous from the start");
   def_vector(y, "omega_BN_B", &Measurement<double>::omega_BN_B, "(3,) rad/s");
   def_per_actuator(y, "h_w", &Measurement<double>::h_w, "(n,) N m s");
+  def_per_actuator(y, "gimbal", &Measurement<double>::gimbal, "(n,) rad; (0,) without control moment gyros");
   y.def_readonly("euler", &Measurement<double>::euler);
   y.def_readwrite("attitude_valid", &Measurement<double>::attitude_valid,
                   "False: q_NB was not measured at this sample but carried on by the model");

@@ -67,6 +67,12 @@ py::dict flight_model(const Compiled& c) {
     components.append(
         py::dict("role"_a = c.role, "name"_a = c.name, "cpp"_a = c.cpp.name, "params"_a = parameters(c.params)));
   }
+  py::list gyros;
+  for (const truth::ControlMomentGyro& g : m.gyros) {
+    gyros.append(py::dict("actuator"_a = g.channel, "gimbal_axis_B"_a = to_python(host::write(g.gimbal_axis_B)),
+                          "spin_axis_B"_a = to_python(host::write(g.spin_axis_B)),
+                          "rotor_momentum"_a = g.rotor_momentum));
+  }
   const py::dict vehicle("J_B"_a = to_python(host::write(v.J_B)), "D_B"_a = to_python(host::write(v.D_B)),
                          "u_lo"_a = to_python(host::write(v.u_lo)), "u_up"_a = to_python(host::write(v.u_up)),
                          "u_rate"_a = to_python(host::write(v.u_rate)), "h_max"_a = to_python(host::write(v.h_max)),
@@ -76,7 +82,7 @@ py::dict flight_model(const Compiled& c) {
                          "orbit_rate"_a = v.orbit_rate,
                          "coordinates"_a = v.coordinates == Coordinates::body ? "body" : "euler_angles");
   return py::dict("dt"_a = m.setup.dt, "vehicle"_a = vehicle, "allow_unstable"_a = m.allow_unstable,
-                  "components"_a = components, "capacity"_a = m.capacity,
+                  "components"_a = components, "gyros"_a = gyros, "capacity"_a = m.capacity,
                   "bytes"_a = py::dict("double"_a = m.bytes_double, "float"_a = m.bytes_float));
 }
 

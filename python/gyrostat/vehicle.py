@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from gyrostat.components import Matrix, Vector
 from gyrostat.model import Block, Leaf
 
+Array = NDArray[np.float64]
+
 
 class Vehicle(Block):
     """The nominal vehicle: all that flight knows of it.
@@ -25,7 +27,7 @@ class Vehicle(Block):
         Inertia of the whole vehicle, wheels included, kg m^2: three rows, or three numbers for a diagonal one.
     D_B
         Actuator axes in columns, body frame: three rows of as many numbers as there are actuators (1 to 16). Not given
-        where `Thrusters` are all there is; they come behind these.
+        where `ControlMomentGyros` or `Thrusters` are all there is; they come behind these, in this order.
     u_max, u_min
         Limits of the command, N m: a number or one an actuator. Without ``u_max`` flight knows no limit.
     u_rate
@@ -56,7 +58,7 @@ class Vehicle(Block):
 
     @property
     def actuators(self) -> int:
-        """Number of actuators, thrusters left out."""
+        """Number of actuators in ``D_B``."""
         return 0 if self.D_B is None else int(np.shape(self.D_B)[1])
 
 
@@ -93,6 +95,77 @@ class Flexible(Block):
     xi: Leaf[Vector | None] = None
     eta: Leaf[Vector | None] = None
     eta_rate: Leaf[Vector | None] = None
+
+
+class ControlMomentGyros(Block):
+    """Single-gimbal control moment gyros: actuators behind those of the vehicle's ``D_B``, known to flight as they are.
+
+    A command (N m) turns gimbal i at ``u_i / rotor_momentum_i``; its limit is ``rotor_momentum rate_max``.
+
+    Parameters
+    ----------
+    gimbal_axes, spin_axes
+        A row a gyro: unit vector along its gimbal axis, and along its rotor at gimbal angle zero, perpendicular to it.
+    rotor_momentum
+        Of each rotor, N m s: a number or one a gyro.
+    rate_max
+        Fastest gimbal, rad/s: a number or one a gyro.
+    angles
+        Of the gimbals at t = 0, rad; 0 when not given.
+    angle_max
+        Of the stops of the gimbals, on both sides, rad; flight does not know of them. None when not given.
+    """
+
+    gimbal_axes: Leaf[Matrix]
+    spin_axes: Leaf[Matrix]
+    rotor_momentum: Leaf[float | Vector]
+    rate_max: Leaf[float | Vector]
+    angles: Leaf[float | Vector | None] = None
+    angle_max: Leaf[float | Vector | None] = None
+
+    @property
+    def count(self) -> int:
+        """Number of gyros."""
+        return len(np.atleast_2d(np.asarray(self.gimbal_axes, dtype=float)))
+
+    def turned(self, angles: ArrayLike) -> tuple[Array, Array]:
+        """(..., 3, n) axes of commands, and of rotors, at gimbal angles (..., n), rad."""
+        g, s = (np.atleast_2d(np.asarray(rows, dtype=float)) for rows in (self.gimbal_axes, self.spin_axes))
+        angle = np.asarray(angles, dtype=float)[..., None, :]
+        cos, sin, spin, across = np.cos(angle), np.sin(angle), s.T, np.cross(g, s).T
+        return sin * spin - cos * across, cos * spin + sin * across
+
+    def axes_B(self) -> Array:
+        """(3, n) axes along which commands act at the start."""
+        start = 0.0 if self.angles is None else np.asarray(self.angles, dtype=float)
+        return self.turned(np.broadcast_to(start, self.count))[0]
+
+    @property
+    def u_max(self) -> Array:
+        """(n,) N m, largest commands."""
+        product = np.asarray(self.rotor_momentum, dtype=float) * np.asarray(self.rate_max, dtype=float)
+        return np.array(np.broadcast_to(product, self.count))
+
+
+def standing(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables of a scenario whose gimbals do not turn: each gyro is an ideal torquer along its axis at the start.
+
+    What asks for the axes of a vehicle's actuators once looks at this; without gyros it is the scenario itself.
+    """
+    given = dict(tables)
+    block = given.pop("cmg", None)
+    if block is None:
+        return given
+    gyros = block if isinstance(block, ControlMomentGyros) else ControlMomentGyros(**block)
+    vehicle = dict(given["vehicle"])
+    others = np.zeros((3, 0)) if vehicle.get("D_B") is None else np.asarray(vehicle["D_B"], dtype=float)
+    n = others.shape[1] + gyros.count
+    u_max = np.array(np.broadcast_to(np.asarray(vehicle.get("u_max") or np.inf, dtype=float), n))
+    u_max[others.shape[1] :] = np.minimum(u_max[others.shape[1] :], gyros.u_max)
+    vehicle["D_B"] = np.hstack([others, gyros.axes_B()]).tolist()
+    vehicle["u_max"] = u_max.tolist()
+    faults = [fault for fault in given.get("faults", ()) if fault["type"] != "rotor_slow_down"]
+    return given | {"vehicle": vehicle, "faults": faults}
 
 
 class Thrusters(Block):
@@ -157,15 +230,15 @@ class Thrusters(Block):
         return np.cross(at, n / np.linalg.norm(n, axis=1, keepdims=True))
 
 
-def with_thrusters(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """The vehicle of a scenario's tables as if its thrusters stood in it: axes, limits, wheel inertia of all actuators.
+def all_actuators(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """The vehicle of a scenario's tables as if all its actuators stood in it: axes, limits, wheel inertia.
 
     Parameters
     ----------
     tables
-        ``vehicle``, and ``thrusters`` where there are some.
+        ``vehicle``, and ``cmg`` and ``thrusters`` where there are such; gyros act along their axes at the start.
     """
-    vehicle = dict(tables["vehicle"])
+    vehicle = dict(standing(tables)["vehicle"])
     given = tables.get("thrusters")
     if not given:
         return vehicle
@@ -277,3 +350,17 @@ def twelve_thrusters() -> tuple[Vehicle, Thrusters]:
         positions=positions, directions=directions, thrust=1.0, tick=1.0 / 64.0, min_on=2, min_off=2, Isp=220.0
     )
     return Vehicle(J_B=(120.0, 100.0, 110.0)), thrusters
+
+
+def cmg4(
+    *, J_B: Matrix | Vector = (120.0, 100.0, 120.0), rotor_momentum: float = 20.0, rate_max: float = 1.0
+) -> tuple[Vehicle, ControlMomentGyros]:
+    """Four control moment gyros on the pyramid of 54.74 deg, whose envelope is nearly a sphere, and the body they turn.
+
+    The arrangement of most publications on singular gimbals (Kurokawa 1998; Wie 2008).
+    """
+    across, up = np.sqrt(2.0 / 3.0), np.sqrt(1.0 / 3.0)
+    gimbal = ((across, 0.0, up), (0.0, across, up), (-across, 0.0, up), (0.0, -across, up))
+    spin = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
+    gyros = ControlMomentGyros(gimbal_axes=gimbal, spin_axes=spin, rotor_momentum=rotor_momentum, rate_max=rate_max)
+    return Vehicle(J_B=J_B), gyros

@@ -12,7 +12,7 @@ from gyrostat.allocation import DEFAULT_RANK_TOLERANCE, AttainableSet, attainabl
 from gyrostat.design.finding import Finding
 from gyrostat.design.idle import faults_alone
 from gyrostat.scenario import Scenario
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import all_actuators
 
 Floats = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def _rank_tolerance(scenario: Scenario) -> float:
 def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
     """Axes (3, n) and limits (n,) that really fly; spares that nobody enables have none."""
     plain = scenario.resolve()
-    truth, vehicle = plain.get("truth", {}), with_thrusters(plain)
+    truth, vehicle = plain.get("truth", {}), all_actuators(plain)
     D = np.asarray(vehicle["D_B"], float)
     if truth.get("dD_B") is not None:
         D = D + np.asarray(truth["dD_B"], float)

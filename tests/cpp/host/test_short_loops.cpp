@@ -48,6 +48,7 @@ Table part(const std::string& family, const std::string& name) {
     t.set("delay", 3);
     t.set("quantisation", 1e-5);
   }
+  if (name == "rotor_slow_down") t.set("rate", 0.1);
   if (name.ends_with("_dropout")) t.set("t_on", 0.2);  // there is nothing to fly on before a first measurement
   if (name == "slew") {
     t.set("to_euler", row({0.3, 0.2, -0.1}));
@@ -70,8 +71,20 @@ Table part(const std::string& family, const std::string& name) {
   return t;
 }
 
-Table with(const std::string& family, const std::string& name) {
+/// Four control moment gyros in place of the wheels.
+Table on_gyros() {
   Table s = base();
+  s.set("vehicle", Table{{"J_B", row({20, 17, 15})}});
+  s.set("cmg",
+        Table{{"gimbal_axes", List{row({0.8, 0, 0.6}), row({0, 0.8, 0.6}), row({-0.8, 0, 0.6}), row({0, -0.8, 0.6})}},
+              {"spin_axes", List{row({0, 1, 0}), row({-1, 0, 0}), row({0, -1, 0}), row({1, 0, 0})}},
+              {"rotor_momentum", 2.0},
+              {"rate_max", 0.5}});
+  return s;
+}
+
+Table with(const std::string& family, const std::string& name) {
+  Table s = name == "rotor_slow_down" ? on_gyros() : base();
   const Table chosen = part(family, name);
   if (of_a_valve(name)) s.set("thrusters", thrusters());
   if (family == "fault" || family == "disturbance" || family == "sensor") {
@@ -93,7 +106,7 @@ void expect_completed(const Table& scenario, const std::string& what) {
 TEST(ShortLoops, EveryPartOfTheCatalogueFlies) {
   int flown = 0;
   for (const auto& [family, names] : families()) {
-    if (family == "vehicle" || family == "truth" || family == "flexible" || family == "thrusters" ||
+    if (family == "vehicle" || family == "truth" || family == "flexible" || family == "cmg" || family == "thrusters" ||
         family == "initial" || family == "run")
       continue;
     for (const std::string& name : names) {
@@ -127,6 +140,14 @@ TEST(ShortLoops, ThrustersBesideWheels) {
     s.set("allocator", Table{{"type", "weighted_least_squares"}});
     expect_completed(s, modulator);
   }
+}
+
+TEST(ShortLoops, ControlMomentGyros) {
+  Table s = on_gyros();
+  s.set("allocator", Table{{"type", "singularity_robust"}});
+  s.set("detector", Table{{"type", "evidence"}});
+  s.set("observer", Table{{"type", "joint_kalman"}});
+  expect_completed(s, "cmg");
 }
 
 TEST(ShortLoops, EveryObserverAsAShadow) {

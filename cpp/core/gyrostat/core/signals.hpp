@@ -35,6 +35,7 @@ struct Vehicle {
   Mask wheels;          ///< actuators that store momentum (h_w)
   S orbit_rate = S(0);  ///< rad/s, circular orbit
   Coordinates coordinates = Coordinates::body;
+  bool moving_axes = false;  ///< D_B is where they start: the signals say where they are (Axes)
 
   int actuators() const noexcept { return static_cast<int>(D_B.cols()); }
 };
@@ -77,7 +78,7 @@ enum class Flag : std::uint16_t {
   cap_reached = 16,     ///< a solve is not proven optimal (an iteration limit, rounding): best so far was used
   bad_input = 32,       ///< an allocator refused its input
   rank_lost = 64,       ///< an axis of torque cannot be produced, or is too weak, and was dropped
-  singular = 128,       ///< near a singularity of the chart in use
+  singular = 128,       ///< near a singularity: of the chart in use, or of the gimbals
   breach = 256,         ///< a promised bound was left
 };
 
@@ -107,6 +108,7 @@ struct Measurement {
   Quat<S> q_NB = Quat<S>::Identity();    ///< sign continuous from the initial state
   Vec3<S> omega_BN_B = Vec3<S>::Zero();  ///< rad/s
   VecN<S> h_w;                           ///< N m s, one an actuator; zero for ideal torquers
+  VecN<S> gimbal;                        ///< rad, one an actuator; zero for those that have none, empty without any
   EulerState<S>
       euler;  ///< the state in euler_angles coordinates, where it shares the validity of q_NB; else for the curious
   bool attitude_valid = true, rate_valid = true, momentum_valid = true;

@@ -48,6 +48,7 @@ class FlightStack {
     typename C::Params controller;
     typename A::Params allocator;
     typename N::Params navigator;
+    [[no_unique_address]] G geometry{};  ///< of moving axes
 
     explicit Params(const Setup<Scalar>& setup) noexcept
         : observer(setup), detector(setup), controller(setup), allocator(setup), navigator(setup) {}
@@ -65,7 +66,7 @@ class FlightStack {
   FlightStack(Unchecked, const Setup<Scalar>& setup, const Params& p)
       : FlightStack(unchecked, setup, O(unchecked, setup, p.observer), D(unchecked, setup, p.detector),
                     C(unchecked, setup, p.controller), A(unchecked, setup, p.allocator),
-                    N(unchecked, setup, p.navigator)) {}
+                    N(unchecked, setup, p.navigator), p.geometry) {}
 
   /// Of components that are there already; whether they agree with each other nobody asks.
   FlightStack(Unchecked, const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_, N navigator_,

@@ -126,6 +126,7 @@ std::vector<FamilyAccess> all_families() {
           access<std::variant<VehicleBlock>>("vehicle"),
           access<std::variant<FlexibleBlock>>("flexible"),
           access<std::variant<ThrustersBlock>>("thrusters"),
+          access<std::variant<CmgBlock>>("cmg"),
           access<std::variant<TruthBlock>>("truth"),
           access<std::variant<InitialBlock>>("initial"),
           access<std::variant<RunBlock>>("run")};
