@@ -95,6 +95,11 @@ class NominalVehicle:
     @h_max.setter
     def h_max(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
+    def moving_axes(self) -> bool:
+        """
+        D_B is where they start; signals have `axes`
+        """
+    @property
     def orbit_rate(self) -> float:
         """
         rad/s
@@ -205,6 +210,13 @@ class Measurement:
         """
         counts jumps that no motion explains
         """
+    @property
+    def gimbal(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) rad; (0,) without control moment gyros
+        """
+    @gimbal.setter
+    def gimbal(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def h_w(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """

@@ -239,7 +239,10 @@ def test_a_drive_that_varies_brings_a_gimbal_to_its_stop_and_off_it() -> None:
         ({"gimbal_axes": np.array(GYROS.gimbal_axes).T[:, :3].tolist()[:2]}, r"cmg: "),
         ({"gimbal_axes": [[0, 1]] * 4}, r"cmg: gyro 0: gimbal_axes has 2 numbers; a row is an axis, of three"),
         ({"angles": (0.0, np.nan, 0.0, 0.0)}, r"cmg: angles"),
-        ({"angle_max": (1.0, 1.0, 0.2, 1.0)}, r"cmg: gyro 2: angles = 0.3 rad is beyond angle_max = 0.2 rad"),
+        (
+            {"angles": START, "angle_max": (1.0, 1.0, 0.2, 1.0)},
+            r"cmg: gyro 2: angles = 0.3 rad is beyond angle_max = 0.2 rad",
+        ),
         ({"del_max": 1.0}, r"cmg: unknown key 'del_max'"),
     ],
 )
@@ -338,6 +341,7 @@ def slewed(allocator: Any, locked: bool) -> gs.Result:
 
 
 STEERINGS = {
+    "pinv": gs.allocator("pseudo_inverse", rank_tolerance=1e-6),
     "sr": gs.allocator("singularity_robust", method="sr"),
     "gsr": gs.allocator("singularity_robust", method="gsr"),
 }
@@ -345,7 +349,13 @@ STEERINGS = {
 
 @pytest.mark.parametrize(
     ("steering", "locked", "largest", "end"),
-    [("sr", False, 6.93, 1e-5), ("gsr", False, 5.81, 1e-5), ("sr", True, 6.93, 1e-5), ("gsr", True, 17.7, 0.5)],
+    [
+        ("pinv", False, 6.51, 1e-5),
+        ("sr", False, 6.93, 1e-5),
+        ("gsr", False, 5.81, 1e-5),
+        ("sr", True, 6.93, 1e-5),
+        ("gsr", True, 17.7, 0.5),
+    ],
 )
 def test_a_slew_beyond_the_singular_momentum(steering: str, locked: bool, largest: float, end: float) -> None:
     result = slewed(STEERINGS[steering], locked)
@@ -358,8 +368,8 @@ def test_a_slew_beyond_the_singular_momentum(steering: str, locked: bool, larges
 @pytest.mark.parametrize("allocator", ["pseudo_inverse", "lexicographic", "weighted_least_squares"])
 def test_an_allocator_that_drops_the_lost_axis_never_leaves_the_singularity(allocator: str) -> None:
     result = slewed(allocator, False)
-    assert np.rad2deg(result["error.angle"][-1]) > 30.0
-    assert result["truth.singularity"][-1] < 1e-3
+    assert np.rad2deg(result["error.angle"][-1]) > 90.0
+    assert result["truth.singularity"][-1] < 0.05
 
 
 def test_the_shipped_slew_ends_where_it_should_with_a_locked_gimbal() -> None:

@@ -21,9 +21,9 @@ def flown(**parts: Any) -> gs.Result:
     return scenario.run(channels=SHOWN)
 
 
-def random_fault(rng: np.random.Generator) -> dict[str, Any]:
+def random_fault(rng: np.random.Generator, actuator: int) -> dict[str, Any]:
     kind = rng.choice(KINDS)
-    fault: dict[str, Any] = {"type": str(kind), "actuator": int(rng.integers(4)), "t_on": float(rng.uniform(0.0, 15.0))}
+    fault: dict[str, Any] = {"type": str(kind), "actuator": actuator, "t_on": float(rng.uniform(0.0, 15.0))}
     numbers = {
         "loss_of_effectiveness": {"remaining": rng.uniform(0.0, 1.0)},
         "bias": {"torque": rng.uniform(-2.0, 2.0)},
@@ -39,7 +39,7 @@ def test_random_stacks_fly_on_gyros_with_faults(seed: int) -> None:
     rng = np.random.default_rng(seed)
     names = _core.catalogue()
     parts = {role: str(rng.choice(names[role])) for role in ROLES}
-    result = flown(faults=[random_fault(rng) for _ in range(int(rng.integers(1, 3)))], **parts)
+    result = flown(faults=[random_fault(rng, int(i)) for i in rng.permutation(4)[: rng.integers(1, 3)]], **parts)
     assert result.completed, (parts, result.cause)
     u = result["allocation.u"]
     assert np.isfinite(u).all()
