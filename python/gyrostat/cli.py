@@ -526,11 +526,11 @@ def config(
     include: Annotated[bool, typer.Option("--include", help="The folder of the headers alone.")] = False,
     cmake: Annotated[bool, typer.Option("--cmake", help="The folder for `-Dgyrostat_DIR` alone.")] = False,
 ) -> None:
-    """Say where the headers of the flight library are that came with this package. They need Eigen 3.4 and nothing else.
+    """Say where this package holds the headers of the flight library; they need Eigen 3.4 and nothing else.
 
-    Examples: `cmake -B build -Dgyrostat_DIR=$(gyrostat config --cmake)`, `c++ -std=c++20 -I$(gyrostat config --include) ...`
+    Examples: `cmake -B build -Dgyrostat_DIR=$(gyrostat config --cmake)`, `c++ -I$(gyrostat config --include) ...`
     """
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).absolute().parent
     folders = {"include": package / "include", "cmake": package / "cmake"}
     wanted = [name for name, asked in (("include", include), ("cmake", cmake)) if asked]
     for name in wanted or folders:

@@ -24,7 +24,7 @@ settings.load_profile("gyrostat")
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """A file stays on one worker, because its fixtures are made once; a class with a parameter is a file a parameter."""
+    """A file stays on one worker, because its fixtures are made once; of a class, each parameter may go elsewhere."""
     from xdist.scheduler import LoadFileScheduling
 
     class ByFile(LoadFileScheduling):

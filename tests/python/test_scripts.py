@@ -27,9 +27,18 @@ def run(folder: Path, *command: str, **environment: str) -> subprocess.Completed
 @pytest.mark.parametrize(
     ("printed", "says"),
     [
-        ("E: Failed to fetch http://mirror/pool/g++.deb  Connection failed", "not fetched: E: Failed to fetch http://mirror/pool/g++.deb"),
-        ("Failed to establish a new connection: name or service not known", "needs the network: run the same command again"),
-        ("cc1plus: error: writing: No space left on device", "ran out of disk: make room and run the same command again"),
+        (
+            "E: Failed to fetch http://mirror/pool/g++.deb  Connection failed",
+            "not fetched: E: Failed to fetch http://mirror/pool/g++.deb",
+        ),
+        (
+            "Failed to establish a new connection: name or service not known",
+            "needs the network: run the same command again",
+        ),
+        (
+            "cc1plus: error: writing: No space left on device",
+            "ran out of disk: make room and run the same command again",
+        ),
     ],
 )
 def test_a_failed_step_says_what_was_fetched_or_written(tmp_path: Path, printed: str, says: str) -> None:
@@ -54,7 +63,7 @@ def test_an_administrator_is_asked_once_for_all_of_it(tmp_path: Path) -> None:
     (tools / "dpkg-query").write_text("#!/usr/bin/bash\nexit 1\n")
     (tools / "dpkg-query").chmod(0o755)
     found = run(tmp_path, str(SCRIPTS / "find_python"), "--packages", PATH=str(tools), PYTHON="")
-    assert found.stdout.split() == []or found.stdout.split() == ["python3", "python3-venv", "python3-dev"]
+    assert found.stdout.split() == [] or found.stdout.split() == ["python3", "python3-venv", "python3-dev"]
     if os.geteuid() == 0:
         pytest.skip("root installs instead")
     done = run(tmp_path, str(SCRIPTS / "debian_packages"), *found.stdout.split(), "g++", "cmake", PATH=str(tools))

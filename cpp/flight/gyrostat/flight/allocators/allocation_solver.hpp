@@ -94,8 +94,7 @@ class AllocationSolver {
     if (p.lo.size() != n || p.up.size() != n) return false;
     constexpr S infinity = std::numeric_limits<S>::infinity();
     bool good = true;
-    for (Eigen::Index i = 0; i < n; ++i)
-      good &= every(p.lo[i] <= p.up[i], p.lo[i] < infinity, p.up[i] > -infinity);
+    for (Eigen::Index i = 0; i < n; ++i) good &= every(p.lo[i] <= p.up[i], p.lo[i]<infinity, p.up[i]> - infinity);
     return good;
   }
 
@@ -108,8 +107,9 @@ class AllocationSolver {
     bool good = p.residual_weight > S(0) && p.residual_weight < infinity && p.margin >= S(0) && p.margin < infinity &&
                 p.effectiveness_min >= S(0) && p.max_newton > 0;
     for (Eigen::Index i = 0; i < n; ++i) {
-      good &= every(p.effectiveness[i] >= S(0), p.effectiveness[i] < infinity, p.bound[i] >= S(0), p.bound[i] < infinity,
-                    p.effort_weight[i] > S(0), p.effort_weight[i] < infinity, std::abs(p.preferred[i]) < infinity);
+      good &= every(p.effectiveness[i] >= S(0), p.effectiveness[i] < infinity, p.bound[i] >= S(0),
+                    p.bound[i]<infinity, p.effort_weight[i]> S(0), p.effort_weight[i] < infinity,
+                    std::abs(p.preferred[i]) < infinity);
     }
     for (int r = 0; r < M; ++r) good &= std::abs(p.demand[r]) < infinity;
     return good;
