@@ -33,12 +33,21 @@ def check() -> ModuleType:
 @pytest.fixture
 def release(tmp_path: Path, check: ModuleType) -> Path:
     """This checkout as a release would leave it: 7.8.9."""
-    for name in ("CMakeLists.txt", "CHANGELOG.md", "CITATION.cff", "pyproject.toml", "LICENSE", *check.PAGES):
+    for name in (
+        "CMakeLists.txt",
+        "CHANGELOG.md",
+        "CITATION.cff",
+        "pyproject.toml",
+        "LICENSE",
+        check.STUB,
+        *check.PAGES,
+    ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / name, tmp_path / name)
     shutil.copytree(ROOT / "licenses", tmp_path / "licenses")
     change(tmp_path / "CMakeLists.txt", r"(project\(gyrostat VERSION )[0-9.]+", r"\g<1>7.8.9")
     change(tmp_path / "CHANGELOG.md", r"(?m)\A(?s:(.*?))^## .*$", r"\g<1>## [7.8.9] - 2030-01-02")
+    change(tmp_path / check.STUB, r"(?m)^(__version__: str = )\"[0-9.]+\"", r'\g<1>"7.8.9"')
     with (tmp_path / "CITATION.cff").open("a") as file:
         file.write("version: 7.8.9\ndate-released: 2030-01-02\n")
     for name in check.PAGES:
