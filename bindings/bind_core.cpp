@@ -47,8 +47,8 @@ void def_quat(py::class_<C>& c, const char* name, T C::* member, const char* doc
   c.def_property(
       name, [member](const C& s) { return coefficients(s.*member); },
       [member, name](C& s, const ArrayLike& from) {
-        const auto c = given<Eigen::Vector4d>(from, name);
-        s.*member = Q(c[0], c[1], c[2], c[3]);
+        const auto q = given<Eigen::Vector4d>(from, name);
+        s.*member = Q(q[0], q[1], q[2], q[3]);
       },
       doc);
 }

@@ -63,9 +63,9 @@ py::dict flight_model(const Compiled& c) {
   const host::FlightModel m = host::flight_model(c.assembly);
   const Vehicle<double>& v = m.setup.vehicle;
   py::list components;
-  for (const host::FlightComponent& c : m.components) {
-    components.append(
-        py::dict("role"_a = c.role, "name"_a = c.name, "cpp"_a = c.cpp.name, "params"_a = parameters(c.params)));
+  for (const host::FlightComponent& part : m.components) {
+    components.append(py::dict("role"_a = part.role, "name"_a = part.name, "cpp"_a = part.cpp.name,
+                               "params"_a = parameters(part.params)));
   }
   py::list gyros;
   for (const truth::ControlMomentGyro& g : m.gyros) {
