@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from gyrostat.scenario import Record, Scenario, Shadow
     from gyrostat.stacks import recommended
     from gyrostat.survival import survive
-    from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
+    from gyrostat.vehicle import Flexible, Initial, Orbit, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
     from gyrostat.verification.requirements import verify
 
@@ -71,6 +71,7 @@ __all__ = [
     "Initial",
     "InputError",
     "Measurement",
+    "Orbit",
     "Record",
     "Reference",
     "Result",
@@ -135,7 +136,7 @@ _homes = {
     "scenario": ["Record", "Scenario", "Shadow"],
     "survival": ["survive"],
     "stacks": ["recommended"],
-    "vehicle": ["Flexible", "Initial", "Truth", "Vehicle"],
+    "vehicle": ["Flexible", "Initial", "Orbit", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],
 }

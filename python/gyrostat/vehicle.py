@@ -92,6 +92,42 @@ class Flexible(Block):
     eta_rate: Leaf[Vector | None] = None
 
 
+class Orbit(Block):
+    """An orbit round the Earth: N is then the equatorial frame, z to the north pole and x to the equinox. Angles in rad, at t = 0.
+
+    Parameters
+    ----------
+    semi_major_axis
+        m, from the centre of the Earth.
+    inclination
+        To the equator.
+    raan
+        Right ascension of the ascending node.
+    argument_of_latitude
+        From the ascending node to the vehicle.
+    eccentricity
+        0, a circle, to 0.9.
+    perigee
+        From the ascending node to the perigee.
+    earth_angle
+        From ``x_N`` to the meridian of Greenwich.
+    sun_longitude
+        Of the sun in the ecliptic, from the equinox.
+    sun_N
+        Direction of the sun, instead of ``sun_longitude``.
+    """
+
+    semi_major_axis: Leaf[float]
+    inclination: Leaf[float]
+    raan: Leaf[float | None] = None
+    argument_of_latitude: Leaf[float | None] = None
+    eccentricity: Leaf[float | None] = None
+    perigee: Leaf[float | None] = None
+    earth_angle: Leaf[float | None] = None
+    sun_longitude: Leaf[float | None] = None
+    sun_N: Leaf[Vector | None] = None
+
+
 class Initial(Block):
     """State at t = 0: one of ``q_NB``, ``mrp``, ``euler``; body rate and wheel speeds relative to the body."""
 

@@ -203,6 +203,26 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   a.vehicles.D_true_B = plant.D_B;
 }
 
+/// Where it flies. The orbit's rate is the vehicle's, unless that says another one.
+void read_orbit(const Table& scenario, Assembly& a) {
+  const Table& table = block(scenario, "orbit");
+  if (table.empty()) return;
+  const Place place{"orbit"};
+  const truth::OrbitElements elements = read_params(truth::OrbitElements{}, table, place);
+  if (table.find("sun_N") != nullptr && table.find("sun_longitude") != nullptr)
+    place.refuse("give one of sun_N and sun_longitude");
+  if (const std::string error = elements.check(); !error.empty()) place.refuse(error);
+  Vehicle<double>& vehicle = a.setup.vehicle;
+  if (vehicle.coordinates != Coordinates::body) place.refuse("flies on body coordinates");
+  a.plant.orbit.emplace(elements);
+  const double n = a.plant.orbit->mean_motion();
+  if (vehicle.orbit_rate != 0 && std::abs(vehicle.orbit_rate - n) > 1e-6 * n) {
+    refuse("vehicle: orbit_rate = " + number_text(vehicle.orbit_rate) + " rad/s; that of the orbit is " +
+           number_text(n) + ": leave it out");
+  }
+  vehicle.orbit_rate = a.plant.orbit_rate = n;
+}
+
 /// Modes of appendages, whose inertia the true body has.
 void read_flexible(const Table& scenario, Assembly& a) {
   const Table& table = block(scenario, "flexible");
@@ -298,9 +318,10 @@ void read_run(const Table& scenario, Assembly& a) {
 
 void refuse_unknown_keys(const Table& scenario) {
   static const std::vector<std::string> known = {
-      "name",   "description", "duration",     "dt",        "seed",     "run_number", "allow_unstable", "vehicle",
-      "truth",  "flexible",    "initial",      "navigator", "observer", "detector",   "controller",     "allocator",
-      "faults", "shadows",     "disturbances", "reference", "sensors",  "record",     "integrator"};
+      "name",           "description",  "duration",  "dt",         "seed",      "run_number",
+      "allow_unstable", "vehicle",      "truth",     "orbit",      "flexible",  "initial",
+      "navigator",      "observer",     "detector",  "controller", "allocator", "faults",
+      "shadows",        "disturbances", "reference", "sensors",    "record",    "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 
@@ -399,6 +420,7 @@ Assembly assemble(const Table& scenario) {
   read_run(scenario, a);
   read_vehicle(scenario, a, wheel_inertia);
   read_truth(scenario, a, wheel_inertia);
+  read_orbit(scenario, a);
   read_flexible(scenario, a);
   read_faults(scenario, a);
   read_initial(scenario, a, wheel_inertia);

@@ -2,6 +2,7 @@
 /// @file  What flies: what the loop, the recorder and the metrics ask of a plant, and what its models have in common.
 #pragma once
 #include <concepts>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "gyrostat/truth/disturbances.hpp"
 #include "gyrostat/truth/effectors/flexible_mode.hpp"
 #include "gyrostat/truth/integrator.hpp"
+#include "gyrostat/truth/orbit.hpp"
 #include "gyrostat/truth/sensors.hpp"
 
 namespace gyrostat::truth {
@@ -23,7 +25,8 @@ struct PlantModel {
   std::vector<Fault> faults;
   std::vector<FlexibleMode> modes;  ///< of appendages
   std::vector<Disturbance> disturbances;
-  double orbit_rate = 0;  ///< rad/s, for gravity_gradient and the Euler-angle model
+  double orbit_rate = 0;       ///< rad/s, for gravity_gradient without an orbit and the Euler-angle model
+  std::optional<Orbit> orbit;  ///< N is then the Earth's equatorial frame
   Integrator integrator;
 };
 
