@@ -63,7 +63,7 @@ class Vehicle(Block):
 
     @property
     def torque_axes(self) -> NDArray[np.float64]:
-        """Torque of each command, body axes in columns (3, n); zero of a magnetorquer, whose torque the field decides."""
+        """Torque of each command, body axes in columns (3, n); zero of a magnetorquer, which the field decides."""
         return torque_axes(self.to_dict())
 
 
@@ -103,7 +103,9 @@ class Flexible(Block):
 
 
 class Orbit(Block):
-    """An orbit round the Earth: N is then the equatorial frame, z to the north pole and x to the equinox. Angles in rad, at t = 0.
+    """An orbit round the Earth: N is then the equatorial frame, z to the north pole and x to the equinox.
+
+    Angles in rad, at t = 0.
 
     Parameters
     ----------
@@ -146,8 +148,8 @@ class Desaturation(Block):
     gain
         Of the cross-product law, in units of the orbit's rate; 2 when not given.
     momentum
-        ``wheels``, whose momentum is taken off without moving the attitude, or ``total``, that of the vehicle, which comes
-        to rest.
+        ``wheels``, whose momentum is taken off without moving the attitude, or ``total``, that of the vehicle, which
+        comes to rest.
     keep_B
         Momentum that is left, N m s in body axes.
     """

@@ -14,7 +14,7 @@ _samples = 2000  # of the loop without faults, at most
 
 
 def findings(scenario: Scenario) -> list[Finding]:
-    """What ``gyrostat check`` says of the momentum of wheels that can fill; nothing where none can, or nothing fills them.
+    """What ``gyrostat check`` says of wheels that can fill; nothing where none can, or nothing fills them.
 
     The torque from outside is averaged in inertial axes over one orbit, or the scenario, of the loop without faults.
 
@@ -48,7 +48,7 @@ _share = 0.5  # of the gain, in the direction that the field leaves least over a
 
 
 def capacity(scenario: Scenario) -> float:
-    """Momentum, N m s, that the wheels of a scenario hold in every direction, shared by least norm; infinite without a limit."""
+    """Momentum, N m s, that the wheels hold in every direction, shared by least norm; infinite without a limit."""
     vehicle, truth = scenario.vehicle, scenario.truth
     D = vehicle.torque_axes
     inertia = np.broadcast_to(np.asarray(vehicle.wheel_inertia or 0.0, dtype=float), D.shape[1])
