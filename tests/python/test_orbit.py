@@ -195,6 +195,9 @@ def test_a_tumble_dies_out_on_torquers_alone() -> None:
     )
     result = scenario.run(channels=["truth.omega_BN_B"])
     assert np.linalg.norm(result["truth.omega_BN_B"][-1]) < 2e-3
+    (torque,) = findings(scenario)
+    assert torque.ok is None
+    assert "none along the magnetic field" in torque.text
 
 
 # ---- check ----------------------------------------------------------------------------------------------------------
@@ -281,3 +284,14 @@ def test_cubesat_6u_comes_to_rest_and_its_wheels_empty() -> None:
     assert h.max() > 5e-3
     assert h[-1] < 0.25 * h.max()
     assert np.rad2deg(result["error.angle"][-2000:].max()) < 0.5
+
+
+def test_experiments_vary_the_orbit_and_the_gain() -> None:
+    """Each flight is the run of its scenario."""
+    vary = ["orbit.argument_of_latitude", "orbit.inclination", "desaturation.gain"]
+    values = [[0.3, 1.2, 2.0], [2.0, 0.1, 1.0], [4.0, 1.7, 4.0]]
+    base = flying(duration=400.0)
+    flights = gs.Experiment(base, vary=vary).fly(values, threads=2)
+    for i, row in enumerate(values):
+        alone = base.replace(**dict(zip(vary, row, strict=True)), run_number=i)
+        assert flights["energy"][i] == alone.run(channels=["allocation.u", "error.angle"]).metrics.energy

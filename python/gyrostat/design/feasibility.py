@@ -115,6 +115,8 @@ def torque_findings(
     list of Finding
         Of a vehicle with an infinite limit only when the signs of its actuators leave out some direction.
     """
+    if len(scenario.vehicle.magnetorquers or ()) == scenario.vehicle.actuators:
+        return [Finding("torque", "every direction", "of magnetorquers alone: none along the magnetic field")]
     sets = attainable_after_faults(scenario)
     if sets is None:
         D, lo, up = _actuators(scenario)
