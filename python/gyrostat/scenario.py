@@ -21,7 +21,18 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.memory import available_memory
 from gyrostat.model import Model
 from gyrostat.text import shown
-from gyrostat.vehicle import ControlMomentGyros, Flexible, Initial, Thrusters, Truth, Vehicle, all_actuators, standing
+from gyrostat.vehicle import (
+    ControlMomentGyros,
+    Desaturation,
+    Flexible,
+    Initial,
+    Orbit,
+    Thrusters,
+    Truth,
+    Vehicle,
+    all_actuators,
+    standing,
+)
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
@@ -137,6 +148,10 @@ class Scenario(Model):
         The nominal vehicle: all that flight knows.
     truth, initial
         What really flies where it differs, and the state at t = 0.
+    orbit
+        Where it flies: field, sun and shadow, and the gravity gradient on it.
+    desaturation
+        What flight does about momentum, with magnetorquers.
     flexible
         Appendages of the true vehicle that bend.
     cmg
@@ -186,6 +201,8 @@ class Scenario(Model):
     allow_unstable: bool = False
     vehicle: Vehicle
     truth: Truth | None = None
+    orbit: Orbit | None = None
+    desaturation: Desaturation | None = None
     flexible: Flexible | None = None
     cmg: ControlMomentGyros | None = None
     thrusters: Thrusters | None = None
@@ -440,7 +457,8 @@ def shipped() -> dict[str, Path]:
 
 def _table(value: Any) -> Any:
     """Plain form of a field of a scenario."""
-    if isinstance(value, Component | Vehicle | Truth | Flexible | ControlMomentGyros | Thrusters | Initial):
+    blocks = Vehicle | Truth | Orbit | Desaturation | Flexible | ControlMomentGyros | Thrusters | Initial
+    if isinstance(value, Component | blocks):
         return value.to_dict()
     if isinstance(value, Model):
         return {k: _table(v) for k, v in value if v is not None}

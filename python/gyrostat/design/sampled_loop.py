@@ -124,6 +124,7 @@ def quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: floa
         "initial": {"mrp": (math.tan(size / 4.0) * _axis).tolist()},
         "reference": None,
         "integrator": "rk4" if scenario.flexible is None else "cvode",
+        "desaturation": None,
         "faults": [],
         "disturbances": [],
         "sensors": delays,

@@ -2,6 +2,7 @@
 /// @file  A scenario's table turned into the objects of a run, every number checked on the way.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -16,8 +17,37 @@
 
 namespace gyrostat::host {
 
+/// Where the actuators of any vehicle point: control moment gyros by their gimbals, magnetorquers by the field.
+template <class S>
+struct MovingAxes {
+  ControlMomentGyros<S> gyros;
+  MagneticAxes<S> magnetic;
+
+  Axes<S> operator()(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    const Axes<S> turned = gyros(vehicle, y);
+    if (!vehicle.magnetorquers.any()) return turned;
+    Axes<S> out = magnetic(vehicle, y);
+    if (!turned.move()) return out;
+    for (int i = 0; i < vehicle.actuators(); ++i) {
+      if (gyros.gyros().test(i)) out.D_B.col(i) = turned.D_B.col(i);
+    }
+    out.h_B = turned.h_B;
+    return out;
+  }
+};
+
+/// Takes momentum off where a scenario says so.
+struct AnyManagement {
+  std::optional<CrossProductDesaturation<double>> law;
+
+  void operator()(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                  Demand<double>& demand) const noexcept {
+    if (law) (*law)(vehicle, x, det, demand);
+  }
+};
+
 using Stack =
-    FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator, ControlMomentGyros<double>>;
+    FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator, MovingAxes<double>, AnyManagement>;
 using Shadow = Estimator<AnyObserver, AnyDetector>;
 
 /// Components that come from outside the catalogue, for roles whose entry has type = "python".
@@ -52,8 +82,9 @@ struct Assembly {
   Counts counts() const {
     const int n = setup.vehicle.actuators();
     return {n, static_cast<int>(plant.modes.size()), plant.gyros.empty() ? 0 : n,
-            !plant.actuators.thrusters.each.empty()};
+            !plant.actuators.thrusters.each.empty(), plant.orbit.has_value()};
   }
+  std::optional<CrossProductDesaturation<double>::Params> desaturation;
   Vehicles vehicles;
   truth::PlantModel plant;
   truth::InitialState initial;
