@@ -25,6 +25,50 @@ using Held = std::unique_ptr<py::object, Release>;
 
 Held hold(const py::object& object) { return Held(new py::object(object)); }
 
+/// A role that is no flight component: the object with one function, and what it says of a mistake.
+struct PythonFunction {
+  PythonFunction(const py::object& object, const Setup<double>& setup, const char* role, const char* name, Use use)
+      : who(std::string(role) + " " + class_name(object)), function(nullptr) {
+    if (!py::hasattr(object, name)) throw std::invalid_argument(who + " has no " + name + "(...)");
+    if (use == Use::fly && py::hasattr(object, "setup")) object.attr("setup")(setup);
+    function = hold(object.attr(name));
+    returned = who + "." + name + " returned";
+  }
+  std::string who, returned;
+  Held function;
+};
+
+/// Of a reference: `at(t)` gives q_NR, or (q_NR, omega_RN_R, omegadot_RN_R), or a Reference.
+class PythonReference {
+ public:
+  PythonReference(const py::object& object, const Setup<double>& setup, Use use)
+      : model_(std::make_shared<PythonFunction>(object, setup, "reference", "at", use)) {}
+
+  Reference<double> operator()(Tick, double t) const {
+    const py::gil_scoped_acquire gil;
+    const py::object out = (*model_->function)(t);
+    if (py::isinstance<Reference<double>>(out)) return py::cast<Reference<double>>(out);
+    Reference<double> r;
+    if (py::isinstance<py::tuple>(out) && py::len(out) == 3) {
+      const py::tuple parts(out);
+      attitude(parts[0], r);
+      copy_numbers(parts[1], 3, r.omega_RN_R, model_->returned);
+      copy_numbers(parts[2], 3, r.omegadot_RN_R, model_->returned);
+    } else {
+      attitude(out, r);
+    }
+    return r;
+  }
+
+ private:
+  void attitude(const py::object& out, Reference<double>& r) const {
+    Eigen::Vector4d q;
+    copy_numbers(out, 4, q, model_->returned);
+    r.q_NR = Quat<double>(q[0], q[1], q[2], q[3]);
+  }
+  std::shared_ptr<PythonFunction> model_;
+};
+
 /// Common half: the object with its functions, and what it says of a mistake.
 template <class Base>
 class PythonModel : public Base {
@@ -223,22 +267,32 @@ std::function<std::unique_ptr<Base>(const Setup<double>&)> factory(const py::dic
   };
 }
 
+std::function<host::ReferencePath::Function(const Setup<double>&)> reference(const py::dict& objects, Use use) {
+  if (!objects.contains("reference")) return {};
+  const std::shared_ptr<py::object> object(new py::object(objects["reference"]), Release{});
+  return [object, use](const Setup<double>& setup) -> host::ReferencePath::Function {
+    const py::gil_scoped_acquire gil;
+    return PythonReference(*object, setup, use);
+  };
+}
+
 }  // namespace
 
 host::ExternalComponents python_components(const py::dict& objects, Use use) {
   for (const auto& [key, value] : objects) {
     const std::string role = py::cast<std::string>(key);
     if (role != "navigator" && role != "observer" && role != "detector" && role != "controller" &&
-        role != "allocator") {
+        role != "allocator" && role != "reference") {
       throw std::invalid_argument("components: no role '" + role +
-                                  "'; there are: navigator, observer, detector, controller, allocator");
+                                  "'; there are: navigator, observer, detector, controller, allocator, reference");
     }
   }
   return {factory<PythonNavigator, host::NavigatorBase>(objects, "navigator", use),
           factory<PythonObserver, host::ObserverBase>(objects, "observer", use),
           factory<PythonDetector, host::DetectorBase>(objects, "detector", use),
           factory<PythonController, host::ControllerBase>(objects, "controller", use),
-          factory<PythonAllocator, host::AllocatorBase>(objects, "allocator", use)};
+          factory<PythonAllocator, host::AllocatorBase>(objects, "allocator", use),
+          reference(objects, use)};
 }
 
 }  // namespace gyrostat::bindings

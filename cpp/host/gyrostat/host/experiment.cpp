@@ -96,8 +96,9 @@ struct Objects {
           const std::vector<std::string>& channels)
       : a(std::move(a_in)),
         plant(make_plant(a)),
-        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels),
-        reference(a.reference, a.setup.dt),
+        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels,
+                a.plant.orbit),
+        reference(make_reference(a, external)),
         parts(a, external) {}
 
   ChannelReader reader(const std::vector<std::string>& channels) const {
