@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from gyrostat.scenario import Record, Scenario, Shadow
     from gyrostat.stacks import recommended
     from gyrostat.survival import survive
-    from gyrostat.vehicle import Flexible, Initial, Orbit, Truth, Vehicle
+    from gyrostat.vehicle import Desaturation, Flexible, Initial, Orbit, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
     from gyrostat.verification.requirements import verify
 
@@ -62,6 +62,7 @@ __all__ = [
     "CampaignResult",
     "Component",
     "Demand",
+    "Desaturation",
     "Detection",
     "Estimate",
     "Event",
@@ -136,7 +137,7 @@ _homes = {
     "scenario": ["Record", "Scenario", "Shadow"],
     "survival": ["survive"],
     "stacks": ["recommended"],
-    "vehicle": ["Flexible", "Initial", "Orbit", "Truth", "Vehicle"],
+    "vehicle": ["Desaturation", "Flexible", "Initial", "Orbit", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],
 }

@@ -19,7 +19,7 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.memory import available_memory
 from gyrostat.model import Model
 from gyrostat.text import shown
-from gyrostat.vehicle import Flexible, Initial, Orbit, Truth, Vehicle
+from gyrostat.vehicle import Desaturation, Flexible, Initial, Orbit, Truth, Vehicle
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
@@ -137,6 +137,8 @@ class Scenario(Model):
         What really flies where it differs, and the state at t = 0.
     orbit
         Where it flies: field, sun and shadow, and the gravity gradient on it.
+    desaturation
+        What flight does about momentum, with magnetorquers.
     flexible
         Appendages of the true vehicle that bend.
     navigator, observer, detector, controller, allocator
@@ -183,6 +185,7 @@ class Scenario(Model):
     vehicle: Vehicle
     truth: Truth | None = None
     orbit: Orbit | None = None
+    desaturation: Desaturation | None = None
     flexible: Flexible | None = None
     initial: Initial | None = None
     navigator: _Navigator = None
@@ -420,7 +423,7 @@ def shipped() -> dict[str, Path]:
 
 def _table(value: Any) -> Any:
     """Plain form of a field of a scenario."""
-    if isinstance(value, Component | Vehicle | Truth | Orbit | Flexible | Initial):
+    if isinstance(value, Component | Vehicle | Truth | Orbit | Desaturation | Flexible | Initial):
         return value.to_dict()
     if isinstance(value, Model):
         return {k: _table(v) for k, v in value if v is not None}

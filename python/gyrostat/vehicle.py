@@ -6,9 +6,11 @@ A key that is not given keeps the default of the C++ description; ``gyrostat des
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrostat.components import Matrix, Vector
 from gyrostat.model import Block, Leaf
@@ -32,6 +34,8 @@ class Vehicle(Block):
     momentum_max
         Momentum at which a wheel gives no more, N m s, as flight knows it: a number or one an actuator. Truth has it
         too unless it states its own.
+    magnetorquers
+        Actuators that are a dipole along their column of ``D_B``; their commands and limits are in A m^2.
     spare
         Actuators that stay off until a detector enables them.
     orbit_rate
@@ -47,6 +51,7 @@ class Vehicle(Block):
     u_rate: Leaf[float | Vector | None] = None
     wheel_inertia: Leaf[float | Vector | None] = None
     momentum_max: Leaf[float | Vector | None] = None
+    magnetorquers: Leaf[tuple[int, ...] | list[int] | None] = None
     spare: Leaf[tuple[int, ...] | list[int] | None] = None
     orbit_rate: Leaf[float | None] = None
     coordinates: Leaf[Literal["body", "euler_angles"] | None] = None
@@ -55,6 +60,11 @@ class Vehicle(Block):
     def actuators(self) -> int:
         """Number of actuators."""
         return int(np.shape(self.D_B)[1])
+
+    @property
+    def torque_axes(self) -> NDArray[np.float64]:
+        """Torque of each command, body axes in columns (3, n); zero of a magnetorquer, whose torque the field decides."""
+        return torque_axes(self.to_dict())
 
 
 class Truth(Block):
@@ -128,6 +138,25 @@ class Orbit(Block):
     sun_N: Leaf[Vector | None] = None
 
 
+class Desaturation(Block):
+    """What flight does about momentum, with its magnetorquers.
+
+    Parameters
+    ----------
+    gain
+        Of the cross-product law, in units of the orbit's rate; 2 when not given.
+    momentum
+        ``wheels``, whose momentum is taken off without moving the attitude, or ``total``, that of the vehicle, which comes
+        to rest.
+    keep_B
+        Momentum that is left, N m s in body axes.
+    """
+
+    gain: Leaf[float | None] = None
+    momentum: Leaf[Literal["wheels", "total"] | None] = None
+    keep_B: Leaf[Vector | None] = None
+
+
 class Initial(Block):
     """State at t = 0: one of ``q_NB``, ``mrp``, ``euler``; body rate and wheel speeds relative to the body."""
 
@@ -136,6 +165,13 @@ class Initial(Block):
     euler: Leaf[Vector | None] = None
     omega_BN_B: Leaf[Vector | None] = None
     wheel_speed: Leaf[float | Vector | None] = None
+
+
+def torque_axes(vehicle: Mapping[str, Any]) -> NDArray[np.float64]:
+    """`Vehicle.torque_axes` of a vehicle's table."""
+    D = np.array(vehicle["D_B"], dtype=float)
+    D[:, list(vehicle.get("magnetorquers") or ())] = 0.0
+    return D
 
 
 PYRAMID4 = ((1.0, -1.0, -1.0, 1.0), (1.0, 1.0, -1.0, -1.0), (1.0, 1.0, 1.0, 1.0))

@@ -12,6 +12,7 @@ from gyrostat.allocation import DEFAULT_RANK_TOLERANCE, AttainableSet, attainabl
 from gyrostat.design.finding import Finding
 from gyrostat.design.idle import faults_alone
 from gyrostat.scenario import Scenario
+from gyrostat.vehicle import torque_axes
 
 Floats = NDArray[np.float64]
 
@@ -74,7 +75,7 @@ def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
     """Axes (3, n) and limits (n,) that really fly; spares that nobody enables have none."""
     plain = scenario.resolve()
     truth = plain.get("truth", {})
-    D = np.asarray(plain["vehicle"]["D_B"], float)
+    D = torque_axes(plain["vehicle"])
     if truth.get("dD_B") is not None:
         D = D + np.asarray(truth["dD_B"], float)
 

@@ -42,8 +42,9 @@ def findings(scenario: Scenario) -> list[Finding]:
 
 
 def _finding(scenario: Scenario, where: str, plain: Mapping[str, Any], left_out: str, gate: str | None) -> Finding:
-    D = np.asarray(scenario.vehicle.D_B, dtype=float)
+    D = scenario.vehicle.torque_axes
     ignored = {int(i) for i in plain.get(left_out, [])}
+    ignored |= set(scenario.vehicle.magnetorquers or ())
     learned = [i for i in range(D.shape[1]) if i not in ignored]
     commands, what = _commands(scenario, learned)
     report = identifiability(D[:, learned], commands, gate=float(plain[gate]) if gate else 0.0)

@@ -77,7 +77,7 @@ def findings(scenario: Scenario) -> list[Finding]:
     if observer.get("type") != "learning_effectiveness_printed":
         return []
     limits = np.asarray(scenario.resolve()["vehicle"].get("u_max") or math.inf, dtype=float)
-    D_norm = float(np.linalg.norm(np.asarray(scenario.vehicle.D_B, dtype=float), 2))
+    D_norm = float(np.linalg.norm(scenario.vehicle.torque_axes, 2))
     m = learning_margins(
         observer["M"],
         observer["H1"],

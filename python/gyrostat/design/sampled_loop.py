@@ -124,6 +124,7 @@ def quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: floa
         "initial": {"mrp": (math.tan(size / 4.0) * _axis).tolist()},
         "reference": None,
         "integrator": "rk4" if scenario.flexible is None else "cvode",
+        "desaturation": None,
         "faults": [],
         "disturbances": [],
         "sensors": delays,
@@ -173,7 +174,7 @@ def left_by_faults(scenario: Scenario, most: int = 3) -> Array:
     NDArray
         Shape (k, n), k at most `most`, the weakest first; empty without faults.
     """
-    D = np.asarray(scenario.vehicle.D_B, dtype=float)
+    D = scenario.vehicle.torque_axes
     if not scenario.faults:
         return np.empty((0, D.shape[1]))
     rows = np.unique(faults_alone(scenario, ["truth.effectiveness"])["truth.effectiveness"], axis=0)
@@ -219,7 +220,7 @@ def findings(scenario: Scenario, effectiveness: tuple[float, float] | None = Non
         text = f"an error of {np.rad2deg(SIZES[0]):.2g} deg or less does not die out with healthy actuators"
         return [Finding(where, "healthy", text, False)]
     found = [_healthy(where, margin.healthy, scenario.duration)]
-    D = np.asarray(scenario.vehicle.D_B, dtype=float)
+    D = scenario.vehicle.torque_axes
     left = left_by_faults(scenario)
     low, high = effectiveness or (effectiveness_range(D, left) if len(left) else (1.0, 1.0))
     inside = margin.lowest <= low and high <= margin.highest

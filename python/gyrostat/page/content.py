@@ -15,6 +15,7 @@ from gyrostat.page import geometry, marks, panels
 from gyrostat.page.packing import clock, cost, pack, pack_indices
 from gyrostat.results import Result
 from gyrostat.thinning import within
+from gyrostat.vehicle import torque_axes
 
 Array = NDArray[np.float64]
 
@@ -165,7 +166,7 @@ def _marks(result: Result) -> list[dict[str, Any]]:
 def _arrows(result: Result) -> list[tuple[str, str, str, Array]]:
     """Vectors in body axes: the total momentum, the torque that the actuators gave, the lumped torque."""
     vehicle = result.description["vehicle"]
-    D = np.asarray(vehicle["D_B"], dtype=float)
+    D = torque_axes(vehicle)
     found: list[tuple[str, str, str, Array]] = []
     rate, h = (result.channels.get(name) for name in ("truth.omega_BN_B", "truth.h_w"))
     if rate is not None and h is not None:

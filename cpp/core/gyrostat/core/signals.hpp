@@ -29,6 +29,7 @@ struct Vehicle {
   VecN<S> h_max;                      ///< N m s, |h_w| at which a wheel gives no more; infinite, or empty: not known
   Mask spare;                         ///< off until a detector enables them
   Mask wheels;                        ///< actuators that store momentum (h_w)
+  Mask magnetorquers;                 ///< actuators that are a dipole (A m^2): their D_B is zero but in `Axes`
   S orbit_rate = S(0);                ///< rad/s, circular orbit
   Coordinates coordinates = Coordinates::body;
 
@@ -138,12 +139,13 @@ struct Estimate {
   Vec3<S> omega_BN_B = Vec3<S>::Zero();
   VecN<S> h_w;
   EulerState<S> euler;
-  VecN<S> effectiveness;          ///< delivered / commanded, one an actuator
-  VecN<S> effectiveness_bound;    ///< relative half-width; infinity: never excited
-  Vec3<S> d_B = Vec3<S>::Zero();  ///< N m, what effectiveness does not explain
-  Axes<S> axes;                   ///< of the measurement
-  bool momentum_valid = true;     ///< of the measurement: h_w was measured at this sample; the stack sets it
-  std::uint32_t event = 0;        ///< of the measurement: counts jumps of the state that no motion explains
+  VecN<S> effectiveness;              ///< delivered / commanded, one an actuator
+  VecN<S> effectiveness_bound;        ///< relative half-width; infinity: never excited
+  Vec3<S> d_B = Vec3<S>::Zero();      ///< N m, what effectiveness does not explain
+  Axes<S> axes;                       ///< of the measurement
+  Vec3<S> field_B = Vec3<S>::Zero();  ///< T, of the measurement; the stack sets it
+  bool momentum_valid = true;         ///< of the measurement: h_w was measured at this sample; the stack sets it
+  std::uint32_t event = 0;            ///< of the measurement: counts jumps of the state that no motion explains
   Flags status;
 
   /// Measured state, healthy actuators of unknown certainty, no disturbance: what an observer does not estimate stays so.

@@ -129,6 +129,18 @@ Mat3<double> wheel_inertia_sum(const Mat3N<double>& axes, const VecN<double>& Js
   return sum;
 }
 
+/// It makes no torque of its own: what it makes depends on the field, which only a sample knows.
+void add_magnetorquer(Vehicle<double>& vehicle, int i, double wheel_inertia) {
+  const std::string actuator = "vehicle: actuator " + std::to_string(i);
+  if (wheel_inertia != 0) refuse(actuator + " cannot be a wheel and a magnetorquer");
+  const double length = vehicle.D_B.col(i).norm();
+  if (std::abs(length - 1) > 1e-6) {
+    refuse("vehicle: D_B column " + std::to_string(i) + " is a dipole axis of length " + number_text(length) +
+           "; a unit vector belongs here");
+  }
+  vehicle.D_B.col(i).setZero();
+}
+
 void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inertia) {
   Table table = block(scenario, "vehicle");
   if (table.empty()) refuse("vehicle is missing: J_B and D_B at least");
@@ -152,10 +164,13 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
   vehicle.u_rate = or_constant(v.u_rate, n, detail::infinite);
   vehicle.h_max = or_constant(v.momentum_max, n, detail::infinite);
   vehicle.spare = v.spare;
+  vehicle.magnetorquers = v.magnetorquers;
   vehicle.orbit_rate = v.orbit_rate;
   vehicle.coordinates = v.coordinates;
+  a.vehicles.D_B = v.D_B;
   wheel_inertia = or_constant(v.wheel_inertia, n, 0.0);
   for (int i = 0; i < n; ++i) {
+    if (v.magnetorquers.test(i)) add_magnetorquer(vehicle, i, wheel_inertia[i]);
     if (wheel_inertia[i] == 0.0) {
       if (std::isfinite(vehicle.h_max[i]))
         refuse("vehicle: momentum_max of actuator " + std::to_string(i) + " needs a wheel_inertia");
@@ -180,7 +195,8 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   const int n = nominal.actuators();
   const TruthBlock t = read_params(TruthBlock{}, block(scenario, "truth"), Place{"truth", n});
   truth::PlantModel& plant = a.plant;
-  plant.D_B = nominal.D_B;
+  plant.D_B = a.vehicles.D_B;
+  plant.magnetorquers = nominal.magnetorquers;
   if (t.dD_B.cols() != 0) {
     if (t.dD_B.cols() != n)
       refuse("truth: dD_B has " + std::to_string(t.dD_B.cols()) + " columns; the vehicle has " + std::to_string(n) +
@@ -206,7 +222,10 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
 /// Where it flies. The orbit's rate is the vehicle's, unless that says another one.
 void read_orbit(const Table& scenario, Assembly& a) {
   const Table& table = block(scenario, "orbit");
-  if (table.empty()) return;
+  if (table.empty()) {
+    if (a.setup.vehicle.magnetorquers.any()) refuse("vehicle: magnetorquers need an orbit, for its field");
+    return;
+  }
   const Place place{"orbit"};
   const truth::OrbitElements elements = read_params(truth::OrbitElements{}, table, place);
   if (table.find("sun_N") != nullptr && table.find("sun_longitude") != nullptr)
@@ -221,6 +240,16 @@ void read_orbit(const Table& scenario, Assembly& a) {
            number_text(n) + ": leave it out");
   }
   vehicle.orbit_rate = a.plant.orbit_rate = n;
+  a.vehicles.orbit = a.plant.orbit;
+}
+
+/// What the stack does about momentum.
+void read_desaturation(const Table& scenario, Assembly& a) {
+  const Value* value = scenario.find("desaturation");
+  if (value == nullptr || value->is_none()) return;
+  const Place place{"desaturation"};
+  if (!a.setup.vehicle.magnetorquers.any()) place.refuse("the vehicle has no magnetorquers to do it with");
+  a.desaturation = read_params(DesaturationBlock{}, table_of(*value, "desaturation"), place);
 }
 
 /// Modes of appendages, whose inertia the true body has.
@@ -330,10 +359,10 @@ void read_run(const Table& scenario, Assembly& a) {
 
 void refuse_unknown_keys(const Table& scenario) {
   static const std::vector<std::string> known = {
-      "name",           "description",  "duration",  "dt",         "seed",      "run_number",
-      "allow_unstable", "vehicle",      "truth",     "orbit",      "flexible",  "initial",
-      "navigator",      "observer",     "detector",  "controller", "allocator", "faults",
-      "shadows",        "disturbances", "reference", "sensors",    "record",    "integrator"};
+      "name",      "description", "duration",   "dt",           "seed",     "run_number", "allow_unstable",
+      "vehicle",   "truth",       "orbit",      "desaturation", "flexible", "initial",    "navigator",
+      "observer",  "detector",    "controller", "allocator",    "faults",   "shadows",    "disturbances",
+      "reference", "sensors",     "record",     "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 
@@ -438,6 +467,7 @@ Assembly assemble(const Table& scenario) {
   read_vehicle(scenario, a, wheel_inertia);
   read_truth(scenario, a, wheel_inertia);
   read_orbit(scenario, a);
+  read_desaturation(scenario, a);
   read_flexible(scenario, a);
   read_faults(scenario, a);
   read_initial(scenario, a, wheel_inertia);
@@ -480,6 +510,9 @@ std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponen
   add(c.detectors, a.detector);
   add(c.controllers, a.controller);
   add(c.allocators, a.allocator);
+  if (a.desaturation) {
+    rows.push_back({"desaturation", "", CrossProductDesaturation<double>::check(a.setup, *a.desaturation)});
+  }
   if (const Status<double> pair = check_pair(a); !pair.ok())
     rows.push_back({"observer and allocator", a.observer.type + ", " + a.allocator.type, pair});
   for (const auto& [observer, detector] : a.shadows) {
@@ -518,12 +551,19 @@ std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) 
 
 Stack make_stack(const Assembly& a, const ExternalComponents& external) {
   const Catalogue& c = catalogue();
+  using Law = CrossProductDesaturation<double>;
   admit(a, a.observer.where + ", " + a.allocator.where, check_pair(a));
+  AnyManagement management;
+  if (a.desaturation) {
+    admit(a, "desaturation", Law::check(a.setup, *a.desaturation));
+    management.law.emplace(unchecked, a.setup, *a.desaturation);
+  }
   return Stack(unchecked, a.setup, AnyObserver(make_one(c.observers, a, a.observer, external.observer)),
                AnyDetector(make_one(c.detectors, a, a.detector, external.detector)),
                AnyController(make_one(c.controllers, a, a.controller, external.controller)),
                AnyAllocator(make_one(c.allocators, a, a.allocator, external.allocator)),
-               AnyNavigator(make_one(c.navigators, a, a.navigator, external.navigator)));
+               AnyNavigator(make_one(c.navigators, a, a.navigator, external.navigator)),
+               MagneticAxes<double>{a.vehicles.D_B}, management);
 }
 
 std::vector<Shadow> make_shadows(const Assembly& a, const ExternalComponents&) {

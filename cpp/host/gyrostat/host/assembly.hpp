@@ -2,6 +2,7 @@
 /// @file  A scenario's table turned into the objects of a run, every number checked on the way.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -16,7 +17,18 @@
 
 namespace gyrostat::host {
 
-using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator>;
+/// Takes momentum off where a scenario says so.
+struct AnyManagement {
+  std::optional<CrossProductDesaturation<double>> law;
+
+  void operator()(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                  Demand<double>& demand) const noexcept {
+    if (law) (*law)(vehicle, x, det, demand);
+  }
+};
+
+using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator, MagneticAxes<double>,
+                          AnyManagement>;
 using Shadow = Estimator<AnyObserver, AnyDetector>;
 
 /// Components that come from outside the catalogue, for roles whose entry has type = "python".
@@ -49,7 +61,10 @@ struct Assembly {
   RunBlock run;
   Tick ticks = 0;
   Setup<double> setup;
-  Counts counts() const { return {setup.vehicle.actuators(), static_cast<int>(plant.modes.size())}; }
+  Counts counts() const {
+    return {setup.vehicle.actuators(), static_cast<int>(plant.modes.size()), plant.orbit.has_value()};
+  }
+  std::optional<CrossProductDesaturation<double>::Params> desaturation;
   Vehicles vehicles;
   truth::PlantModel plant;
   truth::InitialState initial;

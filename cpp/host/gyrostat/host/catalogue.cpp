@@ -126,6 +126,7 @@ std::vector<FamilyAccess> all_families() {
           access<truth::Integrator>("integrator"),
           access<std::variant<VehicleBlock>>("vehicle"),
           access<std::variant<truth::OrbitElements>>("orbit"),
+          access<std::variant<DesaturationBlock>>("desaturation"),
           access<std::variant<FlexibleBlock>>("flexible"),
           access<std::variant<TruthBlock>>("truth"),
           access<std::variant<InitialBlock>>("initial"),

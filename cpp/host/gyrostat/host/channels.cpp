@@ -12,7 +12,7 @@ namespace gyrostat::host {
 
 namespace {
 
-constexpr int per_actuator = -1, per_mode = -2;
+constexpr int per_actuator = -1, per_mode = -2, once_an_orbit = -3, three_an_orbit = -4;
 
 void put(const Vec3<double>& v, double* out) { std::copy_n(v.data(), 3, out); }
 void put(const VecN<double>& v, double* out) { std::copy_n(v.data(), v.size(), out); }
@@ -32,6 +32,18 @@ void put_classes(const Detection<double>& det, int n, double* out) {
 }
 int actuators_of(const ShadowView& v) { return static_cast<int>(v.x->effectiveness.size()); }
 
+truth::Orbit::Point orbit_of(const Moment& m) { return m.vehicles.orbit->at(m.now.t); }
+
+Vec3<double> field_of(const Moment& m) { return m.now.q_NB.conjugate() * m.vehicles.orbit->field(m.now.t).B_N; }
+
+/// Axes of torque at this sample: of a magnetorquer that of its dipole across the field.
+Mat3N<double> axes_of(const Moment& m, Mat3N<double> D_B) {
+  for (int i = 0; i < D_B.cols(); ++i) {
+    if (m.vehicles.nominal.magnetorquers.test(i)) D_B.col(i) = Vec3<double>(D_B.col(i)).cross(field_of(m));
+  }
+  return D_B;
+}
+
 /// What the nominal model knows of the motion without commands.
 Vec3<double> known_of(const Moment& m, const truth::TruthState& s) {
   return known_torque<double>(m.vehicles.nominal, s.angles, s.omega_BN_B,
@@ -40,14 +52,15 @@ Vec3<double> known_of(const Moment& m, const truth::TruthState& s) {
 
 Vec3<double> lumped(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
-  return v.J_B * m.truth().omegadot_BN_B - known_of(m, m.now) - torque<double>(v.D_B, m.u_held);
+  return v.J_B * m.truth().omegadot_BN_B - known_of(m, m.now) - torque<double>(axes_of(m, m.vehicles.D_B), m.u_held);
 }
 
 /// Interval mean; what is known by the trapezoid.
 Vec3<double> lumped_mean(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
   const Vec3<double> mean = 0.5 * (known_of(m, m.now) + known_of(m, m.before));
-  return v.J_B * (m.now.omega_BN_B - m.before.omega_BN_B) / m.vehicles.dt - mean - torque<double>(v.D_B, m.u_held);
+  return v.J_B * (m.now.omega_BN_B - m.before.omega_BN_B) / m.vehicles.dt - mean -
+         torque<double>(axes_of(m, m.vehicles.D_B), m.u_held);
 }
 
 AttitudeError<double> error_of(const Moment& m) {
@@ -62,7 +75,7 @@ double pointing_error(const Moment& m) {
 
 struct Known {
   const char* name;
-  int size;  // per_actuator, per_mode: one each
+  int size;  // per_actuator, per_mode: one each; .._an_orbit: where there is one
   const char* unit;
   const char* meaning;
   void (*fill)(const Moment&, double*);
@@ -83,6 +96,11 @@ const Known known[] = {
     {"truth.eta", per_mode, "kg^1/2 m", "displacement of each mode of the appendages",
      [](M m, double* o) { put(m.now.eta, o); }},
     {"truth.eta_rate", per_mode, "kg^1/2 m/s", "its rate", [](M m, double* o) { put(m.now.eta_rate, o); }},
+    {"truth.r_N", three_an_orbit, "m", "position on the orbit", [](M m, double* o) { put(orbit_of(m).r_N, o); }},
+    {"truth.v_N", three_an_orbit, "m/s", "velocity on the orbit", [](M m, double* o) { put(orbit_of(m).v_N, o); }},
+    {"truth.field_B", three_an_orbit, "T", "magnetic field", [](M m, double* o) { put(field_of(m), o); }},
+    {"truth.eclipse", once_an_orbit, "", "1: in the Earth's shadow",
+     [](M m, double* o) { put(m.vehicles.orbit->dark(m.now.t), o); }},
     {"truth.delivered", per_actuator, "N m", "torque on the body that the actuators gave",
      [](M m, double* o) { put(m.truth().delivered, o); }, true},
     {"truth.effectiveness", per_actuator, "", "true effectiveness",
@@ -91,7 +109,8 @@ const Known known[] = {
     {"truth.external_B", 3, "N m", "disturbance torque", [](M m, double* o) { put(m.truth().external_B, o); }},
     {"truth.omegadot_BN_B", 3, "rad/s^2", "body acceleration", [](M m, double* o) { put(m.truth().omegadot_BN_B, o); }},
     {"truth.fault_B", 3, "N m", "D_true (delivered - u)",
-     [](M m, double* o) { put(torque<double>(m.vehicles.D_true_B, m.truth().delivered - m.u_held), o); }, false, true},
+     [](M m, double* o) { put(torque<double>(axes_of(m, m.vehicles.D_true_B), m.truth().delivered - m.u_held), o); },
+     false, true},
     {"truth.lumped_B", 3, "N m", "J w' + w x (J w + D h_w) - D u, nominal J and D",
      [](M m, double* o) { put(lumped(m), o); }, false, true},
     {"truth.lumped_mean_B", 3, "N m", "mean of lumped_B over the interval",
@@ -115,6 +134,18 @@ const Known known[] = {
      [](M m, double* o) { put(m.y->rate_valid, o); }},
     {"measurement.momentum_valid", 1, "", "1: wheel momentum measured at this sample, 0: not",
      [](M m, double* o) { put(m.y->momentum_valid, o); }},
+    {"measurement.field_B", three_an_orbit, "T", "measured magnetic field",
+     [](M m, double* o) { put(m.y->field_B, o); }},
+    {"measurement.field_valid", once_an_orbit, "", "1: field measured at this sample, 0: not",
+     [](M m, double* o) { put(m.y->field_valid, o); }},
+    {"measurement.field_N", three_an_orbit, "T", "the field as flight's model has it",
+     [](M m, double* o) { put(m.y->field_N, o); }},
+    {"measurement.sun_B", three_an_orbit, "", "measured direction to the sun; zero: never seen",
+     [](M m, double* o) { put(m.y->sun_B, o); }},
+    {"measurement.sun_valid", once_an_orbit, "", "1: sun seen at this sample, 0: not",
+     [](M m, double* o) { put(m.y->sun_valid, o); }},
+    {"measurement.sun_N", three_an_orbit, "", "direction to the sun as flight's almanac has it",
+     [](M m, double* o) { put(m.y->sun_N, o); }},
     {"measurement.euler", 3, "rad", "measured roll, pitch, yaw", [](M m, double* o) { put(m.y->euler.angles, o); }},
     {"measurement.euler_rates", 3, "rad/s", "measured Euler rates", [](M m, double* o) { put(m.y->euler.rates, o); }},
     {"reference.q_NR", 4, "", "reference attitude", [](M m, double* o) { put(m.ref->q_NR, o); }},
@@ -186,12 +217,26 @@ const KnownOfShadow known_of_shadow[] = {
 };
 
 int width_of(int size, const Counts& counts) {
-  return size == per_actuator ? counts.actuators : size == per_mode ? counts.modes : size;
+  switch (size) {
+    case per_actuator:
+      return counts.actuators;
+    case per_mode:
+      return counts.modes;
+    case once_an_orbit:
+      return counts.orbit ? 1 : 0;
+    case three_an_orbit:
+      return counts.orbit ? 3 : 0;
+    default:
+      return size;
+  }
 }
 
 /// `k` is a Known or a KnownOfShadow.
 ChannelInfo info_of(const std::string& name, const auto& k, const Counts& counts) {
-  const char* dimension = k.size == per_actuator ? "actuator" : k.size == 3 ? "axis" : k.size == 4 ? "quaternion" : "";
+  const char* dimension = k.size == per_actuator                    ? "actuator"
+                          : k.size == 3 || k.size == three_an_orbit ? "axis"
+                          : k.size == 4                             ? "quaternion"
+                                                                    : "";
   return {name, width_of(k.size, counts), k.unit, k.meaning, dimension};
 }
 

@@ -20,10 +20,11 @@ namespace gyrostat::truth {
 struct PlantModel {
   Mat3<double> J_B = Mat3<
       double>::Identity();  ///< kg m^2, total inertia less what effectors take (wheels: Js g g', modes: delta delta')
-  Mat3N<double> D_B{3, 0};  ///< actuator axes in columns
+  Mat3N<double> D_B{3, 0};  ///< actuator axes in columns; of magnetorquers those of their dipoles
   Actuators actuators = Actuators::ideal(0);
   std::vector<Fault> faults;
   std::vector<FlexibleMode> modes;  ///< of appendages
+  Mask magnetorquers;               ///< actuators whose command is a dipole, A m^2
   std::vector<Disturbance> disturbances;
   double orbit_rate = 0;       ///< rad/s, for gravity_gradient without an orbit and the Euler-angle model
   std::optional<Orbit> orbit;  ///< N is then the Earth's equatorial frame
