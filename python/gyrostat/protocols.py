@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a Python object must offer to fly in the loop in place of a catalogue component.
 
-Each role needs ``step``. Optional are ``setup(setup)``, called exactly once, before the run, with vehicle and period;
+Each role of the stack needs ``step``, a reference ``at``. Optional are ``setup(setup)``, called exactly once, before the run, with vehicle and period;
 ``start``, called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; ``skip(y, last)``
 (observers), called instead of ``step`` for an interval that teaches nothing: rate or wheel momentum was not measured at
 one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; ``shift_rate(step)`` (observers), called
@@ -59,3 +59,11 @@ class Allocator(Protocol):
 
     def step(self, demand: Demand, x: Estimate, det: Detection, /) -> NDArray[np.float64] | Allocation:
         """Every sample."""
+
+
+@runtime_checkable
+class ReferencePath(Protocol):
+    """What the vehicle should do, as a function of time."""
+
+    def at(self, t: float, /) -> NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Every sample, in order: ``q_NR``, or ``(q_NR, omega_RN_R, omegadot_RN_R)``; rate and acceleration are zero without."""

@@ -43,7 +43,7 @@ def _component(value: Any, info: ValidationInfo) -> Any:
     shaped = " with waveforms (gyrostat.waveforms) in them" if family in ("fault", "disturbance") else ""
     raise InputError(
         f"{_class_of(value).__name__} is a Python object, which only a navigator, observer, detector, controller or "
-        f"allocator that closes the loop can be; for '{family}' there are: "
+        f"allocator that closes the loop, or its reference, can be; for '{family}' there are: "
         f"{', '.join(_core.catalogue()[family])}{shaped}"
     )
 
@@ -60,6 +60,18 @@ def _role(value: Any, info: ValidationInfo) -> Any:
     raise InputError(
         f"{shown(value)} is a {name} without step(...); a name, a component or an object with step belongs here"
     )
+
+
+def _path(value: Any, info: ValidationInfo) -> Any:
+    """A reference of the catalogue, or any Python object that says where it is at a time."""
+    if value is None or isinstance(value, Component | str | Mapping):
+        return _component(value, info)
+    name = _class_of(value).__name__
+    if isinstance(value, type):
+        raise InputError(f"{name} is a class; an object of it belongs here: {name}(...)")
+    if callable(getattr(value, "at", None)):
+        return value
+    raise InputError(f"{shown(value)} is a {name} without at(t); a name, a reference or an object with at belongs here")
 
 
 def _class_of(value: Any) -> type:
@@ -105,7 +117,9 @@ _Detector = Annotated[Component | protocols.Detector | str | None, PlainValidato
 _Controller = Annotated[Component | protocols.Controller | str | None, PlainValidator(_role)]
 _Allocator = Annotated[Component | protocols.Allocator | str | None, PlainValidator(_role)]
 
-_roles = ("navigator", "observer", "detector", "controller", "allocator")
+_Reference = Annotated[Component | protocols.ReferencePath | str | None, PlainValidator(_path)]
+
+_roles = ("navigator", "observer", "detector", "controller", "allocator", "reference")
 
 
 class Shadow(Model):
@@ -193,7 +207,7 @@ class Scenario(Model):
     detector: _Detector = None
     controller: _Controller = None
     allocator: _Allocator = None
-    reference: _One = None
+    reference: _Reference = None
     integrator: _One = None
     faults: _Many = ()
     disturbances: _Many = ()
