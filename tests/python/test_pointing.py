@@ -65,7 +65,9 @@ def test_the_boresight_hits_the_site() -> None:
     result = flown(gs.references.Target(**SITE), ["truth.q_NB", "truth.r_N"])
     angle = ORBIT.earth_angle + 7.292115e-5 * result.t + SITE["longitude"]
     up = SITE["latitude"]
-    site = 6378137.0 * np.stack([np.cos(up) * np.cos(angle), np.cos(up) * np.sin(angle), np.full_like(angle, np.sin(up))], 1)
+    site = 6378137.0 * np.stack(
+        [np.cos(up) * np.cos(angle), np.cos(up) * np.sin(angle), np.full_like(angle, np.sin(up))], 1
+    )
     sight = site - result["truth.r_N"]
     boresight = np.array([dcm(q).T @ [0, 0, 1] for q in result["truth.q_NB"]])
     miss = np.linalg.norm(np.cross(boresight, sight / np.linalg.norm(sight, axis=1)[:, None]), axis=1)
@@ -108,12 +110,13 @@ def test_nadir_needs_no_more_than_an_orbit_rate() -> None:
 def test_what_cannot_be_pointed_at_is_one_line(reference: Any, changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message) as error:
         gs.Scenario(
-            **{"vehicle": gs.vehicle.ftc_4rw(), "orbit": ORBIT, "reference": reference, "duration": 1.0, "dt": 0.1} | changes
+            **{"vehicle": gs.vehicle.ftc_4rw(), "orbit": ORBIT, "reference": reference, "duration": 1.0, "dt": 0.1}
+            | changes
         ).check()
     assert "\n" not in str(error.value)
 
 
-# ---- of one's own ----------------------------------------------------------------------------------------------------------
+# ---- of one's own ----
 
 
 class Spin:

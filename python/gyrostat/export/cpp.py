@@ -76,7 +76,12 @@ def _sky(code: FlightCode) -> dict[str, str]:
         f"y.{name} = in.one() != 0.0;" if name in _sky_bits else f"in(y.{name});"
         for name in (signal.split(".")[1] for signal in SKY)
     ]
-    filled_in = (in_c, in_cpp, "".join(f"\n    {line}" for line in of_row), "".join(f"\n  {line}" for line in of_inputs))
+    filled_in = (
+        in_c,
+        in_cpp,
+        "".join(f"\n    {line}" for line in of_row),
+        "".join(f"\n  {line}" for line in of_inputs),
+    )
     return dict(zip(keys, filled_in, strict=True))
 
 
