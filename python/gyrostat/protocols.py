@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What a Python object must offer to fly in the loop in place of a catalogue component.
 
-Each role of the stack needs ``step``, a reference ``at``. Optional are ``setup(setup)``, called exactly once, before the
-run, with vehicle and period; ``start``, called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; ``skip(y, last)``
+Each role of the stack needs ``step``, a reference ``at``. Optional are ``setup(setup)``, called exactly once, before
+the run, with vehicle and period; ``start``, called at tick 0, when no interval has passed, with the arguments of
+``step`` but ``last``; ``skip(y, last)``
 (observers), called instead of ``step`` for an interval that teaches nothing: rate or wheel momentum was not measured at
 one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; ``shift_rate(step)`` (observers), called
 before ``step`` where a navigator says that its rate has moved without motion (``y.rate_step``); and ``reset``

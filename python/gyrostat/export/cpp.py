@@ -65,8 +65,8 @@ def _sky(code: FlightCode) -> dict[str, str]:
     if not code.sees_the_sky:
         return dict.fromkeys(keys, "")
     in_c = f"""
-  /* Sun and magnetic field, in body axes as measured and in N as an almanac and a model have them: unit vectors and T. 0 in
-     a _valid: not measured at this sample. */
+  /* Sun (unit) and magnetic field (T), in body axes as measured and in N as an almanac and a model have them. A _valid that
+     is 0: not measured at this sample. */
   {code.name}_real field_B[3], field_N[3], sun_B[3], sun_N[3];
   uint8_t field_valid, sun_valid;"""
     in_cpp = "\n  double field_B[3], field_N[3], sun_B[3], sun_N[3];\n  bool field_valid, sun_valid;"
