@@ -149,7 +149,8 @@ void bind_signals(py::module_& m) {
   y.def_readonly("euler", &Measurement<double>::euler);
   def_vector(y, "field_B", &Measurement<double>::field_B, "(3,) T, magnetic field");
   y.def_readwrite("field_valid", &Measurement<double>::field_valid, "False: field_B was not measured at this sample");
-  def_vector(y, "field_N", &Measurement<double>::field_N, "(3,) T, the field as flight's model has it; zero: not known");
+  def_vector(y, "field_N", &Measurement<double>::field_N,
+             "(3,) T, the field as flight's model has it; zero: not known");
   def_vector(y, "sun_B", &Measurement<double>::sun_B, "(3,) unit, direction to the sun");
   y.def_readwrite("sun_valid", &Measurement<double>::sun_valid, "False: sun_B was not measured at this sample");
   def_vector(y, "sun_N", &Measurement<double>::sun_N, "(3,) unit, the sun as the almanac has it; zero: not known");

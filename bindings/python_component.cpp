@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include <pybind11/eigen.h>
@@ -16,7 +17,8 @@ namespace py = pybind11;
 
 /// Owns the object; takes the GIL to let go of it.
 struct Release {
-  void operator()(py::object* object) const {
+  template <class Object>
+  void operator()(Object* object) const {
     const py::gil_scoped_acquire gil;
     delete object;
   }
@@ -276,15 +278,87 @@ std::function<host::ReferencePath::Function(const Setup<double>&)> reference(con
   };
 }
 
+using Functions = std::vector<std::shared_ptr<PythonFunction>>;
+
+Functions functions(const py::dict& objects, const char* list, const char* role, const char* name,
+                    const Setup<double>& setup, Use use) {
+  Functions all;
+  if (!objects.contains(list)) return all;
+  for (const py::handle& object : py::cast<py::sequence>(objects[list])) {
+    all.push_back(std::make_shared<PythonFunction>(py::reinterpret_borrow<py::object>(object), setup, role, name, use));
+  }
+  return all;
+}
+
+/// Sensors, faults and disturbances, one after the other as they are listed.
+host::Outside outside_of(const py::dict& objects, const Setup<double>& setup, Use use) {
+  host::Outside outside;
+  if (const Functions all = functions(objects, "sensors", "sensor", "measure", setup, use); !all.empty()) {
+    outside.sensor = [all, n = setup.vehicle.actuators()](Measurement<double>& y) {
+      const py::gil_scoped_acquire gil;
+      const Tick tick = y.tick;
+      for (const auto& sensor : all) {
+        const py::object out = (*sensor->function)(y);
+        if (!py::isinstance<Measurement<double>>(out)) {
+          throw std::invalid_argument(sensor->returned + (out.is_none() ? " nothing (None)" : " a " + class_name(out)) +
+                                      "; a Measurement (the one it was given, changed) belongs there");
+        }
+        y = py::cast<Measurement<double>>(out);
+        y.tick = tick;
+        if (y.h_w.size() == n) continue;
+        throw std::invalid_argument(sensor->returned + " " + std::to_string(y.h_w.size()) + " numbers as h_w; " +
+                                    std::to_string(n) + " belong there, one an actuator");
+      }
+    };
+  }
+  if (const Functions all = functions(objects, "faults", "fault", "apply", setup, use); !all.empty()) {
+    outside.fault = [all](double t, VecN<double>& u) {
+      const py::gil_scoped_acquire gil;
+      for (const auto& fault : all) {
+        const Eigen::VectorXd given = u;
+        copy_numbers((*fault->function)(t, given), given.size(), u, fault->returned);
+        if (!u.allFinite()) throw std::invalid_argument(fault->returned + " a number that is not finite");
+      }
+    };
+  }
+  if (const Functions all = functions(objects, "disturbances", "disturbance", "torque_B", setup, use); !all.empty()) {
+    outside.torque_B = [all](double t, const Quat<double>& q, const Vec3<double>& omega_BN_B) {
+      const py::gil_scoped_acquire gil;
+      const Eigen::Vector4d q_NB(q.w(), q.x(), q.y(), q.z());
+      Vec3<double> sum = Vec3<double>::Zero();
+      for (const auto& disturbance : all) {
+        Vec3<double> torque_B;
+        copy_numbers((*disturbance->function)(t, q_NB, Eigen::Vector3d(omega_BN_B)), 3, torque_B,
+                     disturbance->returned);
+        sum += torque_B;
+      }
+      if (!sum.allFinite()) throw std::invalid_argument("disturbances: a torque that is not finite");
+      return sum;
+    };
+  }
+  return outside;
+}
+
+std::function<host::Outside(const Setup<double>&)> outside(const py::dict& objects, Use use) {
+  if (!objects.contains("sensors") && !objects.contains("faults") && !objects.contains("disturbances")) return {};
+  const std::shared_ptr<py::dict> held(new py::dict(objects), Release{});
+  return [held, use](const Setup<double>& setup) {
+    const py::gil_scoped_acquire gil;
+    return outside_of(*held, setup, use);
+  };
+}
+
 }  // namespace
 
 host::ExternalComponents python_components(const py::dict& objects, Use use) {
   for (const auto& [key, value] : objects) {
     const std::string role = py::cast<std::string>(key);
-    if (role != "navigator" && role != "observer" && role != "detector" && role != "controller" &&
-        role != "allocator" && role != "reference") {
+    static const std::set<std::string> roles = {"navigator", "observer", "detector", "controller",  "allocator",
+                                                "reference", "sensors",  "faults",   "disturbances"};
+    if (!roles.contains(role)) {
       throw std::invalid_argument("components: no role '" + role +
-                                  "'; there are: navigator, observer, detector, controller, allocator, reference");
+                                  "'; there are: navigator, observer, detector, controller, allocator, reference, "
+                                  "sensors, faults, disturbances");
     }
   }
   return {factory<PythonNavigator, host::NavigatorBase>(objects, "navigator", use),
@@ -292,7 +366,8 @@ host::ExternalComponents python_components(const py::dict& objects, Use use) {
           factory<PythonDetector, host::DetectorBase>(objects, "detector", use),
           factory<PythonController, host::ControllerBase>(objects, "controller", use),
           factory<PythonAllocator, host::AllocatorBase>(objects, "allocator", use),
-          reference(objects, use)};
+          reference(objects, use),
+          outside(objects, use)};
 }
 
 }  // namespace gyrostat::bindings

@@ -27,9 +27,8 @@ TEST(VectorAttitude, EqualsTheReferenceNumbers) {
   EXPECT_LT((quest(two).coeffs() - wanted.coeffs()).norm(), 1e-14);
   const V3 row(0.16087172957034929, 0.59309589137179819, 0.78889641288507362);
   EXPECT_LT((dcm(triad(two[0], two[1])).row(0).transpose() - row).norm(), 1e-14);
-  const std::array<Sighting<float>, 2> same{
-      {{two[0].seen_B.cast<float>(), two[0].known_N.cast<float>(), 1e-4f},
-       {two[1].seen_B.cast<float>(), two[1].known_N.cast<float>(), 1e-3f}}};
+  const std::array<Sighting<float>, 2> same{{{two[0].seen_B.cast<float>(), two[0].known_N.cast<float>(), 1e-4f},
+                                             {two[1].seen_B.cast<float>(), two[1].known_N.cast<float>(), 1e-3f}}};
   EXPECT_LT((quest(same).cast<double>().coeffs() - wanted.coeffs()).norm(), 1e-6);
 }
 
@@ -70,7 +69,8 @@ TEST(VectorAttitude, ItsErrorsAreAsLargeAsTheirCovariances) {
   for (int i = 0; i < draws; ++i) {
     const Quat<double> q = random.attitude();
     const Two two{{random.see(q, {0.6, 0.8, 0}, 2e-3), random.see(q, {0.1, 0.28, 0.955}, 5e-3)}};
-    const V3 e = quat_log<double>(quest(two).conjugate() * q), f = quat_log<double>(triad(two[0], two[1]).conjugate() * q);
+    const V3 e = quat_log<double>(quest(two).conjugate() * q),
+             f = quat_log<double>(triad(two[0], two[1]).conjugate() * q);
     of_quest += e.dot(quest_covariance(two).ldlt().solve(e)) / draws;
     of_triad += f.dot(triad_covariance(two[0], two[1]).ldlt().solve(f)) / draws;
   }
@@ -133,7 +133,9 @@ struct Flight {
     y.field_N = field_N.template cast<S>();
     return y;
   }
-  V3 error(const Measurement<S>& out) const { return quat_log<double>(out.q_NB.template cast<double>().conjugate() * q); }
+  V3 error(const Measurement<S>& out) const {
+    return quat_log<double>(out.q_NB.template cast<double>().conjugate() * q);
+  }
 
   Random random;
   int latency;

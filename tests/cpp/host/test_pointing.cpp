@@ -34,7 +34,8 @@ struct Orbiting {
     position = turning(a * (std::cos(u) * node + std::sin(u) * ahead), n * node.cross(ahead));
     velocity = turning(position.v, n * node.cross(ahead));
     const double angle = 1.2 + W * t + 0.15, up = 0.85;
-    site = turning(radius * V3(std::cos(up) * std::cos(angle), std::cos(up) * std::sin(angle), std::sin(up)), {0, 0, W});
+    site =
+        turning(radius * V3(std::cos(up) * std::cos(angle), std::cos(up) * std::sin(angle), std::sin(up)), {0, 0, W});
     const double l = 0.8 + 1.99106e-7 * t, eps = 0.4090928;
     sun = turning(V3(std::cos(l), std::sin(l) * std::cos(eps), std::sin(l) * std::sin(eps)),
                   1.99106e-7 * V3(0, -std::sin(eps), std::cos(eps)));
@@ -50,33 +51,31 @@ void expect_row(const Row& row, const Reference<double>& r) {
   EXPECT_LE((r.omegadot_RN_R - row.omegadot).norm(), 1e-12 * row.omegadot.norm()) << row.t;
 }
 
-const Row target_rows[] = {
-    {0,
-     {0.81295181077434264, -0.21827883767335612, -0.41164643062213224, 0.34930061342451735},
-     {-2.8432026496086322e-05, -0.00068286304241802018, 0.00018182210193480247},
-     {-3.0670053937613463e-08, -2.5304783616510355e-07, 3.7841541653203258e-07}},
-    {150,
-     {0.78377419200026255, -0.20801205056729707, -0.45134892185763903, 0.37244214787141189},
-     {-3.402814352661476e-05, -0.00073431949018383296, 0.00025342704559264503},
-     {-4.5242253682318788e-08, -4.6021855260254929e-07, 5.9097288838219688e-07}},
-    {600,
-     {0.61728442339185297, -0.16806772463383804, -0.60136524647778589, 0.47861573407369695},
-     {-8.4808207015236867e-05, -0.0018679094298278834, 0.0005750200454316209},
-     {-2.7824167421905693e-07, -1.0233732269624454e-05, -3.2048604169146499e-07}}};
+const Row target_rows[] = {{0,
+                            {0.81295181077434264, -0.21827883767335612, -0.41164643062213224, 0.34930061342451735},
+                            {-2.8432026496086322e-05, -0.00068286304241802018, 0.00018182210193480247},
+                            {-3.0670053937613463e-08, -2.5304783616510355e-07, 3.7841541653203258e-07}},
+                           {150,
+                            {0.78377419200026255, -0.20801205056729707, -0.45134892185763903, 0.37244214787141189},
+                            {-3.402814352661476e-05, -0.00073431949018383296, 0.00025342704559264503},
+                            {-4.5242253682318788e-08, -4.6021855260254929e-07, 5.9097288838219688e-07}},
+                           {600,
+                            {0.61728442339185297, -0.16806772463383804, -0.60136524647778589, 0.47861573407369695},
+                            {-8.4808207015236867e-05, -0.0018679094298278834, 0.0005750200454316209},
+                            {-2.7824167421905693e-07, -1.0233732269624454e-05, -3.2048604169146499e-07}}};
 
-const Row sun_rows[] = {
-    {0,
-     {0.40781834488462637, -0.58293028955322235, -0.13235688911673416, -0.69018702465368098},
-     {1.9907698120402778e-07, -3.3992338388478154e-09, -0.0032407810230821936},
-     {1.1016172517956836e-11, 6.4516490281850377e-10, -3.5817557742920255e-05}},
-    {1234.5,
-     {0.55355075717036573, 0.030736050294063323, 0.59694833011970072, 0.57990477288580444},
-     {-1.6796907922508263e-07, 1.0690924964790426e-07, -0.00010679487216023957},
-     {-1.1417359648895073e-11, -1.7938236342715854e-11, 8.7767621593892145e-08}},
-    {4000,
-     {0.58286998616715591, -0.59673160600029729, 0.033572997289300903, -0.55049688780120998},
-     {1.6686716108581903e-07, -1.0862112956123835e-07, -0.00011682185200069165},
-     {1.2689321521750938e-11, 1.9493730796143122e-11, 1.2629862725862304e-07}}};
+const Row sun_rows[] = {{0,
+                         {0.40781834488462637, -0.58293028955322235, -0.13235688911673416, -0.69018702465368098},
+                         {1.9907698120402778e-07, -3.3992338388478154e-09, -0.0032407810230821936},
+                         {1.1016172517956836e-11, 6.4516490281850377e-10, -3.5817557742920255e-05}},
+                        {1234.5,
+                         {0.55355075717036573, 0.030736050294063323, 0.59694833011970072, 0.57990477288580444},
+                         {-1.6796907922508263e-07, 1.0690924964790426e-07, -0.00010679487216023957},
+                         {-1.1417359648895073e-11, -1.7938236342715854e-11, 8.7767621593892145e-08}},
+                        {4000,
+                         {0.58286998616715591, -0.59673160600029729, 0.033572997289300903, -0.55049688780120998},
+                         {1.6686716108581903e-07, -1.0862112956123835e-07, -0.00011682185200069165},
+                         {1.2689321521750938e-11, 1.9493730796143122e-11, 1.2629862725862304e-07}}};
 
 TEST(DirectionFrame, EqualsTheRowsOfASite) {
   for (const Row& row : target_rows) {
@@ -177,8 +176,7 @@ TEST(Pointing, RateAndAccelerationAreDerivatives) {
          {ReferenceSpec(Nadir{quat_from_euler<double>({0.1, -0.2, 0.3})}), ReferenceSpec(target()),
           ReferenceSpec(SunPointing{}), ReferenceSpec(two(Direction::nadir, Direction::velocity)),
           ReferenceSpec(two(Direction::velocity, Direction::orbit_normal)),
-          ReferenceSpec(two(Direction::site, Direction::sun)),
-          ReferenceSpec(two(Direction::zenith, Direction::sun))}) {
+          ReferenceSpec(two(Direction::site, Direction::sun)), ReferenceSpec(two(Direction::zenith, Direction::sun))}) {
       const double h = 0.5;
       ReferencePath path(spec, h, on(e));
       for (Tick k = 401; k < 4000; k += 400) {
@@ -200,8 +198,8 @@ TEST(Pointing, PutsTheAxesWhereTheyBelong) {
   ReferencePath crooked(p, 10, on(ellipse()));
   for (Tick k = 0; k < 300; k += 7) {
     const double t = 10.0 * static_cast<double>(k), angle = orbit.earth_angle(t) + 0.15;
-    const V3 site = truth::earth::radius *
-                    V3(std::cos(0.85) * std::cos(angle), std::cos(0.85) * std::sin(angle), std::sin(0.85));
+    const V3 site =
+        truth::earth::radius * V3(std::cos(0.85) * std::cos(angle), std::cos(0.85) * std::sin(angle), std::sin(0.85));
     const Quat<double> q = path.at(k).q_NR;
     const V3 sight = (site - orbit.r_N(t)).normalized();
     EXPECT_LT((q * V3(0, 0, 1) - sight).norm(), 1e-14);
@@ -232,7 +230,8 @@ TEST(Pointing, RefusesInOneLineWhatCannotBe) {
   p.axis.setZero();
   EXPECT_EQ(refusal(p, on(elements())), "reference: axis is zero and names no direction");
   const std::string line = refusal(two(Direction::nadir, Direction::zenith), on(elements()));
-  EXPECT_EQ(line.rfind("reference: its two directions are 0.000000 deg from one line at t = 0.000000 s", 0), 0U) << line;
+  EXPECT_EQ(line.rfind("reference: its two directions are 0.000000 deg from one line at t = 0.000000 s", 0), 0U)
+      << line;
 }
 
 // The sun in the plane of the orbit passes through zenith once a turn: nothing at first, then a refusal with its time.

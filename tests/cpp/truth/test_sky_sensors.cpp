@@ -164,8 +164,7 @@ TEST(SkySensors, RefuseInOneLineWhatCannotBe) {
   EXPECT_EQ(refusal({SunSensor{.field_of_view = 4}}), "sensor sun_sensor: field_of_view must be in [0, pi]");
   EXPECT_EQ(refusal({StarTracker{.sun_keepout = -1}}),
             "sensor star_tracker: sun_keepout and earth_keepout must be in [0, pi]");
-  EXPECT_EQ(refusal({Magnetometer{.every = 0}}),
-            "sensor magnetometer: every must be at least 1, phase at least 0");
+  EXPECT_EQ(refusal({Magnetometer{.every = 0}}), "sensor magnetometer: every must be at least 1, phase at least 0");
   EXPECT_NE(refusal({SunSensor{}, SunSensor{}}).find("one sun_sensor"), std::string::npos);
   EXPECT_EQ(refusal({SunSensor{}, Magnetometer{}, StarTracker{.sun_keepout = 0.5}}), "accepted");
 }

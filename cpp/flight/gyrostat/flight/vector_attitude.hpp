@@ -27,7 +27,8 @@ inline constexpr S least_apart = S(0.1);
 
 template <class S>
 bool name_an_attitude(const Sighting<S>& one, const Sighting<S>& two) noexcept {
-  return one.seen_B.cross(two.seen_B).norm() >= least_apart<S> && one.known_N.cross(two.known_N).norm() >= least_apart<S>;
+  return one.seen_B.cross(two.seen_B).norm() >= least_apart<S> &&
+         one.known_N.cross(two.known_N).norm() >= least_apart<S>;
 }
 
 /// q_NB; the first direction is met exactly.

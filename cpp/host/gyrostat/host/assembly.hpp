@@ -11,6 +11,7 @@
 #include "gyrostat/host/blocks.hpp"
 #include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/channels.hpp"
+#include "gyrostat/host/loop.hpp"
 #include "gyrostat/host/reference.hpp"
 #include "gyrostat/truth/euler_plant.hpp"
 #include "gyrostat/truth/rigid_plant.hpp"
@@ -39,6 +40,7 @@ struct ExternalComponents {
   std::function<std::unique_ptr<ControllerBase>(const Setup<double>&)> controller;
   std::function<std::unique_ptr<AllocatorBase>(const Setup<double>&)> allocator;
   std::function<ReferencePath::Function(const Setup<double>&)> reference;
+  std::function<Outside(const Setup<double>&)> outside;  ///< sensors, faults and disturbances
 };
 
 /// One line of `gyrostat check`.

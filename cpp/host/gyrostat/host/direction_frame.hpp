@@ -7,8 +7,8 @@
 /// e1 and s are unit vectors along the two directions, a and c the body axes for them. Rate and acceleration are exact: every
 /// derivative is written out, and what of R' R'' is not omegadot is symmetric.
 #pragma once
-#include <cmath>
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "gyrostat/core/signals.hpp"
 

@@ -152,8 +152,8 @@ struct Site {
          altitude = 0;
 
   static constexpr void describe(auto& p, auto&& field) {
-    field(p.latitude, Field{"latitude", "rad", -std::numbers::pi / 2, std::numbers::pi / 2, "of the site, geocentric",
-                            "degrees"});
+    field(p.latitude,
+          Field{"latitude", "rad", -std::numbers::pi / 2, std::numbers::pi / 2, "of the site, geocentric", "degrees"});
     field(p.longitude,
           Field{"longitude", "rad", -full_turn, full_turn, "of the site, to the east of Greenwich", "degrees"});
     field(p.altitude, Field{"altitude", "m", -1e5, 1e5, "of the site above the sphere"});

@@ -315,6 +315,7 @@ RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalCompo
                          a.setup.vehicle.wheels, a.plant.orbit);
   ReferencePath reference = make_reference(a, external);
   FlightParts parts(a, external);
+  const Outside outside = external.outside ? external.outside(a.setup) : Outside{};
   std::optional<Recorder> recorder;
   if (options.record) {
     const std::vector<std::string> names =
@@ -324,7 +325,7 @@ RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalCompo
   }
   Watcher watcher(a, plant, parts, recorder ? &*recorder : nullptr, options);
   RunResult result;
-  result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher);
+  result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher, outside);
   result.events = std::move(watcher).take_events();
   result.statistics = plant.statistics();
   if (recorder) {

@@ -222,8 +222,8 @@ struct MomentumDropout {
 
 /// Sensors, one of a kind (an attitude sensor or a star tracker), and faults of sensors, any number. Scale acts first, then bias,
 /// freeze, dropout.
-using Sensor = std::variant<Gyro, AttitudeSensor, StarTracker, SunSensor, Magnetometer, Tachometer, RateBias, RateFreeze, RateScale, RateDropout,
-                            AttitudeDropout, MomentumDropout>;
+using Sensor = std::variant<Gyro, AttitudeSensor, StarTracker, SunSensor, Magnetometer, Tachometer, RateBias,
+                            RateFreeze, RateScale, RateDropout, AttitudeDropout, MomentumDropout>;
 
 class Sensors {
  public:
@@ -303,7 +303,7 @@ class Sensors {
   bool rate_fresh_ = true, rate_clipped_ = false, attitude_fresh_ = true;
   Vec3<double> shown_ = Vec3<double>::Zero();  ///< rad/s, by the rate sensor at the sample before
   Vec3<double> sun_shown_B_ = Vec3<double>::Zero(), field_shown_B_ = Vec3<double>::Zero();  ///< likewise; T
-  Measurement<double> last_;                   ///< at the sample before, where something drops out
+  Measurement<double> last_;  ///< at the sample before, where something drops out
   DelayLine<Vec3<double>> rates_{0};
   DelayLine<Quat<double>> attitudes_{0};
   DelayLine<Exposure> exposures_{0};

@@ -71,9 +71,10 @@ class Mekf {
             Field{"attitude0", "rad", 0, 4, "one sigma of a coarse first attitude; 0: the noise of what gave it"});
       field(p.sun_noise,
             Field{"sun_noise", "rad", 0, 1, "of the sun sensor, one sigma an axis; 0: the sun is not used"});
-      field(p.field_noise, Field{"field_noise", "T", 0, 1e-3,
-                                 "of the magnetometer, one sigma an axis, with what the model of the field lacks; 0: the "
-                                 "field is not used"});
+      field(p.field_noise,
+            Field{"field_noise", "T", 0, 1e-3,
+                  "of the magnetometer, one sigma an axis, with what the model of the field lacks; 0: the "
+                  "field is not used"});
       field(p.acquisition,
             Choice{"acquisition", "quest|triad", "how sun and field make a first attitude where no tracker has"});
     }
