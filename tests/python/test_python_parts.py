@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Sensors, faults and disturbances that are Python objects: they fly as those of the catalogue would, as copies, and fail in one line."""
+"""Sensors, faults and disturbances that are Python objects: they fly as those of the catalogue would."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The attitude filter on sun and magnetic field, and a star tracker that sun and Earth blind, in flight round the Earth."""
+"""The attitude filter on sun and magnetic field, and a star tracker that sun and Earth blind, in orbit."""
 
 from __future__ import annotations
 

@@ -194,9 +194,9 @@ def _matrix(value: Any) -> Array:
     return np.diag(array) if array.ndim == 1 else array
 
 
-def never(table: Mapping[str, Any]) -> bool:
-    """Whether a fault of a scenario never begins."""
-    return bool(table.get("t_on", 0.0) == math.inf)
+def never(table: object) -> bool:
+    """Whether a fault of a scenario never begins; of a Python object nobody knows."""
+    return isinstance(table, Mapping) and bool(table.get("t_on", 0.0) == math.inf)
 
 
 __all__ = ["Draws", "Inputs", "Varied", "never"]
