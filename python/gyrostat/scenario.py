@@ -40,19 +40,17 @@ def _component(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, bool | int | float | list | tuple):
         raise InputError(f"{shown(value)} is a {type(value).__name__}; a component belongs here")
     call = _calls.get(str(info.field_name))
-    if call is not None and callable(getattr(value, call, None)) and not isinstance(value, type):
+    if call is not None and callable(getattr(value, call, None)):
+        if isinstance(value, type):
+            raise InputError(f"{value.__name__} is a class; an object of it belongs here: {value.__name__}(...)")
         return value
     family = str(info.field_name).removesuffix("s")
     shaped = " with waveforms (gyrostat.waveforms) in them" if family in ("fault", "disturbance") else ""
-    own = "" if call is None else f", or an object with {call}(...)"
+    lacks = "" if call is None else f" without {call}(...)"
     raise InputError(
-        f"{_class_of(value).__name__} is a Python object{_without(call)}; for '{family}' there are: "
-        f"{', '.join(_core.catalogue()[family])}{shaped}{own}"
+        f"{_class_of(value).__name__} is a Python object{lacks}; for '{family}' there are: "
+        f"{', '.join(_core.catalogue()[family])}{shaped}"
     )
-
-
-def _without(call: str | None) -> str:
-    return "" if call is None else f" without {call}(...)"
 
 
 def _role(value: Any, info: ValidationInfo) -> Any:
