@@ -76,7 +76,10 @@ def _path(value: Any, info: ValidationInfo) -> Any:
         raise InputError(f"{name} is a class; an object of it belongs here: {name}(...)")
     if callable(getattr(value, "at", None)):
         return value
-    raise InputError(f"{shown(value)} is a {name} without at(t); a name, a reference or an object with at belongs here")
+    raise InputError(
+        f"{name} is a Python object without at(t); for 'reference' there are: "
+        f"{', '.join(_core.catalogue()['reference'])}"
+    )
 
 
 def _class_of(value: Any) -> type:
