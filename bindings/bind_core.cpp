@@ -157,6 +157,11 @@ void bind_signals(py::module_& m) {
   y.def_readonly("euler", &Measurement<double>::euler);
   def_vector(y, "field_B", &Measurement<double>::field_B, "(3,) T, magnetic field");
   y.def_readwrite("field_valid", &Measurement<double>::field_valid, "False: field_B was not measured at this sample");
+  def_vector(y, "field_N", &Measurement<double>::field_N,
+             "(3,) T, the field as flight's model has it; zero: not known");
+  def_vector(y, "sun_B", &Measurement<double>::sun_B, "(3,) unit, direction to the sun");
+  y.def_readwrite("sun_valid", &Measurement<double>::sun_valid, "False: sun_B was not measured at this sample");
+  def_vector(y, "sun_N", &Measurement<double>::sun_N, "(3,) unit, the sun as the almanac has it; zero: not known");
   y.def_readwrite("attitude_valid", &Measurement<double>::attitude_valid,
                   "False: q_NB was not measured at this sample but carried on by the model");
   y.def_readwrite("rate_valid", &Measurement<double>::rate_valid,

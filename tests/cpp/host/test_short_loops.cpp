@@ -3,6 +3,8 @@
 // erased components, their allocators' arithmetic and every fault, disturbance, reference and sensor are looked at.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "../../../benchmarks/scenarios.hpp"
 #include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/simulate.hpp"
@@ -73,6 +75,12 @@ Table part(const std::string& family, const std::string& name) {
     t.set("centre_B", List{row({0.3, 0, 0})});
   }
   if (name == "residual_dipole") t.set("dipole_B", row({0.1, 0.2, 0}));
+  if (name == "target") {
+    t.set("latitude", 0.2);
+    t.set("longitude", 0.1);
+  }
+  if (name == "sun_sensor") t.set("noise", 1e-3);
+  if (name == "magnetometer") t.set("noise", 1e-7);
   if (name == "sum") t.set("terms", List{Table{{"type", "square"}}, 1e-3});
   return t;
 }
@@ -93,7 +101,9 @@ Table with(const std::string& family, const std::string& name) {
   Table s = name == "rotor_slow_down" ? on_gyros() : base();
   const Table chosen = part(family, name);
   if (of_a_valve(name)) s.set("thrusters", thrusters());
-  if (name == "plates" || name == "residual_dipole") {
+  static const std::vector<std::string> on_an_orbit = {"plates",     "residual_dipole", "target",      "sun",
+                                                       "two_vector", "sun_sensor",      "magnetometer"};
+  if (std::find(on_an_orbit.begin(), on_an_orbit.end(), name) != on_an_orbit.end()) {
     s.find("vehicle")->as<Table>()->set("orbit_rate", Value());
     s.set("orbit", Table{{"semi_major_axis", 6.9e6}, {"inclination", 1.2}});
   }

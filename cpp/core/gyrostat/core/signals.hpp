@@ -118,6 +118,10 @@ struct Measurement {
                         ///< has moved its gyro bias by less so much
   Vec3<S> field_B = Vec3<S>::Zero();  ///< T, magnetic field
   bool field_valid = false;           ///< it was measured at this sample
+  bool sun_valid = false;             ///< sun_B was measured at this sample
+  Vec3<S> sun_B = Vec3<S>::Zero();    ///< unit, direction to the sun
+  Vec3<S> field_N = Vec3<S>::Zero();  ///< T, the field as the orbit and a model of it have it; zero: not known
+  Vec3<S> sun_N = Vec3<S>::Zero();    ///< unit, the sun as the almanac has it; zero: not known
   Axes<S> axes;                       ///< the stack sets them
   std::uint32_t event = 0;            ///< counts jumps that no motion explains; the stack sets it
 };

@@ -77,6 +77,7 @@ class Guard {
   bool momentum_possible(const VecN<S>& h_w) const noexcept { return one_each(h_w) && within(h_w, momentum_); }
 
   bool field_possible(const Vec3<S>& field_B) const noexcept { return within(field_B, S(1e-3)); }
+  bool sun_possible(const Vec3<S>& sun_B) const noexcept { return within(sun_B, S(1.1)); }
 
   bool possible(const Reference<S>& r) const noexcept {
     const bool body =

@@ -528,6 +528,18 @@ void read_initial(const Table& scenario, Assembly& a, const VecN<double>& wheel_
   }
 }
 
+Surroundings surroundings_of(const Assembly& a) { return {a.plant.orbit, a.plant.orbit_rate}; }
+
+void read_reference(const Table& scenario, Assembly& a) {
+  const Table& table = block(scenario, "reference");
+  a.reference_outside = !table.empty() && type_of(table, "reference") == "python";
+  if (a.reference_outside) return;
+  a.reference = read_typed<ReferenceSpec>("reference", table, "reference", a.setup.vehicle.actuators(), "hold");
+  const std::string name = std::visit([](const auto& r) { return std::string(r.name); }, a.reference);
+  if (name != Nadir::name && name != Target::name && name != SunPointing::name && name != TwoVector::name) return;
+  ReferencePath(a.reference, a.setup.dt, surroundings_of(a), "reference '" + name + "'").survey(a.ticks);
+}
+
 void read_run(const Table& scenario, Assembly& a) {
   Table run;
   for (const char* key : {"duration", "dt", "seed", "run_number", "allow_unstable"}) {
@@ -606,6 +618,10 @@ void fill_from_sensors(const Assembly& a, const Family<Base>& family, ComponentS
       tell("q_BS", tracker->q_BS.w() != 1, [&] { return write(tracker->q_BS); });
       tell("latency", tracker->latency > 0, [&] { return tracker->latency; });
     }
+    if (const auto* sun = std::get_if<truth::SunSensor>(&sensor))
+      tell("sun_noise", sun->noise > 0, [&] { return sun->noise; });
+    if (const auto* field = std::get_if<truth::Magnetometer>(&sensor))
+      tell("field_noise", field->noise > 0, [&] { return field->noise; });
     if (const auto* tachometer = std::get_if<truth::Tachometer>(&sensor))
       tell("momentum_delay", tachometer->delay > 0, [&] { return tachometer->delay; });
   }
@@ -624,7 +640,8 @@ void fill_from_sensors(Assembly& a) {
 
 /// Refuses sensors that cannot be, before anything flies.
 void check_sensors(const Assembly& a) {
-  (void)truth::Sensors(a.sensors, a.run.seed, a.run.run_number, false, a.setup.dt, a.setup.vehicle.wheels);
+  (void)truth::Sensors(a.sensors, a.run.seed, a.run.run_number, false, a.setup.dt, a.setup.vehicle.wheels,
+                       a.plant.orbit);
   if (a.setup.vehicle.coordinates == Coordinates::body) return;
   for (const truth::Sensor& sensor : a.sensors) {
     if (std::holds_alternative<truth::StarTracker>(sensor)) refuse("sensor star_tracker: flies on body coordinates");
@@ -677,7 +694,7 @@ Assembly assemble(const Table& scenario) {
   check_sensors(a);
   a.plant.integrator =
       read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
-  a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");
+  read_reference(scenario, a);
   a.navigator = component(block(scenario, "navigator"), "navigator", "none");
   a.observer = component(block(scenario, "observer"), "observer", "passthrough");
   a.detector = component(block(scenario, "detector"), "detector", "none");
@@ -726,6 +743,12 @@ AnyPlant make_plant(const Assembly& a) {
     return AnyPlant(std::in_place_type<truth::EulerPlant>, a.plant, a.initial, a.setup.dt);
   }
   return AnyPlant(std::in_place_type<truth::RigidPlant>, a.plant, a.initial, a.setup.dt);
+}
+
+ReferencePath make_reference(const Assembly& a, const ExternalComponents& external) {
+  if (!a.reference_outside) return ReferencePath(a.reference, a.setup.dt, surroundings_of(a));
+  if (!external.reference) refuse("reference: type 'python' needs a Python object for this role");
+  return ReferencePath(external.reference(a.setup), a.setup.dt);
 }
 
 std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) {

@@ -11,6 +11,7 @@
 #include "gyrostat/host/blocks.hpp"
 #include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/channels.hpp"
+#include "gyrostat/host/loop.hpp"
 #include "gyrostat/host/reference.hpp"
 #include "gyrostat/truth/euler_plant.hpp"
 #include "gyrostat/truth/rigid_plant.hpp"
@@ -57,6 +58,8 @@ struct ExternalComponents {
   std::function<std::unique_ptr<DetectorBase>(const Setup<double>&)> detector;
   std::function<std::unique_ptr<ControllerBase>(const Setup<double>&)> controller;
   std::function<std::unique_ptr<AllocatorBase>(const Setup<double>&)> allocator;
+  std::function<ReferencePath::Function(const Setup<double>&)> reference;
+  std::function<Outside(const Setup<double>&)> outside;  ///< sensors, faults and disturbances
 };
 
 /// One line of `gyrostat check`.
@@ -90,6 +93,7 @@ struct Assembly {
   truth::InitialState initial;
   std::vector<truth::Sensor> sensors;
   ReferenceSpec reference;
+  bool reference_outside = false;  ///< type = "python"
   ComponentSpec navigator, observer, detector, controller, allocator;
   std::vector<std::pair<ComponentSpec, ComponentSpec>> shadows;
   Table record;
@@ -100,6 +104,7 @@ Assembly assemble(const Table& scenario);
 
 /// Throws std::invalid_argument for what does not fit the model.
 AnyPlant make_plant(const Assembly& a);
+ReferencePath make_reference(const Assembly& a, const ExternalComponents& external);
 
 /// Estimates by role: those that the observer makes and those that the others use. Nothing is known of a component from
 /// outside the catalogue: its role is left out.

@@ -172,7 +172,7 @@ double Disturbances::next_switch(double t) const noexcept {
 void Disturbances::enter(double branch) noexcept {
   branch_ = branch;
   dark_ = shaded_ && orbit_->dark(branch);
-  constant_B_.setZero();
+  constant_B_ = outside_B_;
   varying_.clear();
   for (std::size_t i = 0; i < list_.size(); ++i) {
     const Disturbance& d = list_[i];

@@ -141,6 +141,13 @@ class Disturbances {
   /// Where the vehicle flies; null without an orbit.
   const Orbit* orbit() const noexcept { return orbit_ ? &*orbit_ : nullptr; }
 
+  /// N m, a torque from outside, from now on.
+  void hold(const Vec3<double>& torque_B) noexcept {
+    constant_B_ += torque_B - outside_B_;
+    outside_B_ = torque_B;
+  }
+  const Vec3<double>& outside_B() const noexcept { return outside_B_; }
+
   /// Something depends on time or state on this piece.
   bool varies() const noexcept { return !varying_.empty(); }
   /// N m, the part that is constant on this piece.
@@ -156,7 +163,7 @@ class Disturbances {
   std::optional<Orbit> orbit_;
   bool shaded_ = false;  ///< something depends on the shadow
   bool dark_ = false;    ///< on this piece
-  Vec3<double> constant_B_ = Vec3<double>::Zero();
+  Vec3<double> constant_B_ = Vec3<double>::Zero(), outside_B_ = Vec3<double>::Zero();
 };
 
 }  // namespace gyrostat::truth

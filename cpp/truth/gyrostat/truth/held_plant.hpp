@@ -43,6 +43,12 @@ class HeldPlant {
   /// Holds the command u (N m, one an actuator) from this sample to the next. Takes at most 200 000 steps.
   /// @throws IntegrationError, NonFiniteState, std::invalid_argument when u has the wrong length
   void advance(const VecN<double>& u);
+  /// Holds a torque on the body (N m) besides all disturbances, from now until another one: a discontinuity where it changes.
+  void push(const Vec3<double>& torque_B) noexcept {
+    if (torque_B == external_.outside_B()) return;
+    external_.hold(torque_B);
+    restart_ = true;
+  }
   /// Holds u to any time not before the present one, in one interval. `advance` then goes on to the next sample.
   void advance_to(const VecN<double>& u, double t_end);
 

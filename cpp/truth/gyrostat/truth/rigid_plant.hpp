@@ -19,10 +19,6 @@ class RigidPlantOf final : public HeldPlant {
   Measurement<double> measure(Sensors& sensors) const {
     Measurement<double> y = sensors.measure(tick(), state_.q_NB, state_.omega_BN_B, state_.h_w);
     y.gimbal = state_.gimbal;
-    if (const Orbit* orbit = external_.orbit()) {
-      y.field_B = state_.q_NB.conjugate() * orbit->field(t_).B_N;
-      y.field_valid = true;
-    }
     return y;
   }
   TruthSample sample() const;
