@@ -225,6 +225,13 @@ class Measurement:
     @field_B.setter
     def field_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
+    def field_N(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) T, the field as flight's model has it; zero: not known
+        """
+    @field_N.setter
+    def field_N(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
     def field_valid(self) -> bool:
         """
         False: field_B was not measured at this sample
@@ -280,6 +287,27 @@ class Measurement:
         """
     @rate_valid.setter
     def rate_valid(self, arg0: bool) -> None: ...
+    @property
+    def sun_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) unit, direction to the sun
+        """
+    @sun_B.setter
+    def sun_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def sun_N(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) unit, the sun as the almanac has it; zero: not known
+        """
+    @sun_N.setter
+    def sun_N(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def sun_valid(self) -> bool:
+        """
+        False: sun_B was not measured at this sample
+        """
+    @sun_valid.setter
+    def sun_valid(self, arg0: bool) -> None: ...
     @property
     def tick(self) -> int: ...
 
