@@ -272,16 +272,14 @@ def test_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "toml")], ids=name)
 def test_toml_examples_are_valid(page: Path) -> None:
-    """A whole scenario and a campaign stand alone; a part is put into the reference scenario, or into that with gyros."""
+    """A whole scenario and a campaign stand alone; a part is put into the reference scenario."""
     for text in blocks(page, "toml"):
         tables = tomllib.loads(text)
         if "base" in tables:
             gs.Campaign.from_dict(tables)
             continue
         whole = {"vehicle", "duration", "dt"} <= set(tables)
-        gyros = "cmg" in tables or any(fault["type"] == "rotor_slow_down" for fault in tables.get("faults", ()))
-        base = gs.Scenario.load("agile_cmg" if gyros else "ftc_4rw").to_dict()
-        gs.Scenario.from_dict(tables if whole else merged(base, tables))
+        gs.Scenario.from_dict(tables if whole else merged(gs.Scenario.load("ftc_4rw").to_dict(), tables))
 
 
 def merged(base: dict[str, Any], part: dict[str, Any]) -> dict[str, Any]:
