@@ -341,19 +341,34 @@ def _compared(
 def reproduce(
     paper: Annotated[str, typer.Argument(help="A paper (`gyrostat list paper`), the folder of one, or `all`.")],
     out: Annotated[
-        Path | None, typer.Option(help="Folder for the report, the figures and their data; without it, claims only.")
+        Path | None,
+        typer.Option(help="Folder for the report (`index.html`), its cases and figures; without it, claims only."),
     ] = None,
+    *,
+    data: Annotated[bool, typer.Option("--data", help="Save what figures draw, too, in full (`.npz`, 40 MB).")] = False,
+    claim: Annotated[
+        list[str] | None,
+        typer.Option(metavar="ID", help="Only this claim, e.g. `t1.settling_1e-3`, or those that fit `t1.*`. Repeatable."),
+    ] = None,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Print every claim also of `all`.")] = False,
     as_json: Json = False,
 ) -> None:
     """Fly every case of a paper and hold its claims against what is measured.
 
-    Exit status 1 if a claim is outside what we accept.
+    Repeats over seeds are one line. With `all` it prints a line a paper, and what is not accepted. Exit status 1 if a
+    claim is outside what we accept.
 
-    Examples: `gyrostat reproduce li2018`, `gyrostat reproduce all --out report`
+    Examples: `gyrostat reproduce li2018`, `gyrostat reproduce li2018 --claim 't1.settling*'`,
+    `gyrostat reproduce all --out report`
     """
     from gyrostat import papers
 
     chosen = [papers.load(name) for name in (papers.available() if paper == "all" else [paper])]
+    if claim:
+        if out is not None:
+            raise InputError("--claim: prints its claims; a report (--out) holds all of them")
+        chosen = _with_claims(chosen, claim)
+    briefly = paper == "all" and not verbose and not as_json
     found: list[Reproduction] = []
     page = None
 
@@ -362,6 +377,8 @@ def reproduce(
         with printing.progress(f"reproducing {one.id}") as progress:
             flown = papers.reproduce(one if out is not None else replace(one, figures=()), progress=progress)
         found.append(flown.without_results())
+        if briefly:
+            printing.tally(flown)
         return flown
 
     with nullcontext() if out is None else made_folder(out):
@@ -371,19 +388,32 @@ def reproduce(
         else:
             from gyrostat.report import write_report
 
-            page = write_report(out, map(fly, chosen))
+            page = write_report(out, map(fly, chosen), with_data=data)
     failed = sum(r.failed for r in found)
     if as_json:
         parts = [r.to_dict() for r in found]
         total = {"papers": parts, "passed": sum(p["passed"] for p in parts), "failed": failed}
         printing.as_json(total if paper == "all" else parts[0])
     else:
-        for reproduction in found:
-            printing.reproduction(reproduction)
+        if briefly:
+            printing.missed(found)
+        else:
+            for reproduction in found:
+                printing.reproduction(reproduction)
         if page is not None:
             typer.echo(f"report: {page}")
     if failed:
         raise typer.Exit(1)
+
+
+def _with_claims(studies: Sequence[Paper], patterns: Sequence[str]) -> list[Paper]:
+    """Studies with the claims that fit any of the patterns; those that have none are left out."""
+    kept = [(one, [c for c in one.claims if any(c.fits(p) for p in patterns)]) for one in studies]
+    some = [one.only(claims) for one, claims in kept if claims]
+    if not some:
+        known = {c.id for one in studies for c in one.claims}
+        raise InputError(f"no claim '{patterns[0]}'{suggestion(patterns[0], known)}")
+    return some
 
 
 @app.command()

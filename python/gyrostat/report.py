@@ -16,8 +16,8 @@ from gyrostat.page.writer import GENERATOR, asset, filled, page_path
 from gyrostat.papers import EnsembleFigure, Reproduction
 
 
-def write_report(folder: Path, reproductions: Iterable[Reproduction]) -> Path:
-    """Write ``index.html``, and beside it each study's claims, cases as TOML, figures and their data.
+def write_report(folder: Path, reproductions: Iterable[Reproduction], *, with_data: bool = False) -> Path:
+    """Write ``index.html``, and beside it each study's claims, its cases as TOML, and its figures.
 
     Parameters
     ----------
@@ -25,6 +25,8 @@ def write_report(folder: Path, reproductions: Iterable[Reproduction]) -> Path:
         Where to; made if it is not there.
     reproductions
         The studies, in the order of the page. Taken one by one: an iterator holds the results of one study at a time.
+    with_data
+        Write what the figures draw beside them, too, in full (``.npz``).
 
     Returns
     -------
@@ -39,14 +41,15 @@ def write_report(folder: Path, reproductions: Iterable[Reproduction]) -> Path:
     target = page_path(folder)
     told = []
     for reproduction in reproductions:
-        _write_files(writable_folder(folder / reproduction.paper.id), reproduction)
-        told.append(study.Study.of(reproduction))
+        panels = _write_files(writable_folder(folder / reproduction.paper.id), reproduction, with_data=with_data)
+        told.append(study.Study.of(reproduction, panels, with_data=with_data))
         del reproduction  # before the next one flies
     write_text(target, _page(told))
     return target
 
 
-def _write_files(folder: Path, found: Reproduction) -> None:
+def _write_files(folder: Path, found: Reproduction, *, with_data: bool) -> dict[str, int]:
+    """What lies beside the page; the number of panels of each figure."""
     paper = found.paper
     write_text(folder / "claims.json", json.dumps(found.to_dict(), indent=2) + "\n")
     for case in paper.cases.values():
@@ -55,10 +58,14 @@ def _write_files(folder: Path, found: Reproduction) -> None:
         campaign.scenario.to_toml(folder / f"{campaign.id}.toml")
     for ensemble in found.ensembles.values():
         write_text(folder / f"{ensemble.campaign.id}.csv", ensemble.to_csv())
+    panels = {}
     for figure in paper.figures:
         drawn = figure.draw(found.ensembles) if isinstance(figure, EnsembleFigure) else figure.draw(found.results)
-        drawn.save_data(folder / f"{figure.name}.npz")
+        if with_data:
+            drawn.save_data(folder / f"{figure.name}.npz")
         write_text(folder / f"{figure.name}.js", script(f"{paper.id}/{figure.name}", drawn))
+        panels[figure.name] = len(drawn.axes)
+    return panels
 
 
 def _page(studies: list[study.Study]) -> str:

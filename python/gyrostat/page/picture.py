@@ -56,6 +56,11 @@ def script(name: str, figure: Figure) -> str:
     return f"gyrostat.draw({json.dumps(name)},{data});\n"
 
 
+def height(panels: int) -> int:
+    """Of the picture of a figure with so many panels, in pixels, about: kept free until it is drawn."""
+    return 310 if panels == 1 else 151 * panels + 30
+
+
 def _panel(axis: Axes, lines: list[Line2D], share: int) -> dict[str, Any]:
     chosen = None if axis.get_autoscaley_on() else list(map(float, axis.get_ylim()))
     drawn = [_line(line, share, log=axis.get_yscale() == "log") for line in lines]
@@ -87,4 +92,4 @@ def _line(line: Line2D, share: int, *, log: bool) -> dict[str, Any]:
     }
 
 
-__all__ = ["POINTS", "picture", "script"]
+__all__ = ["POINTS", "height", "picture", "script"]

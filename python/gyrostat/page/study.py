@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
+from gyrostat.page.picture import height
 from gyrostat.papers import ExperimentRows, Paper, Reproduction, Row, Tally, folded
 from gyrostat.papers.story import Surprise, parts
 from gyrostat.text import number
@@ -26,12 +27,16 @@ class Study:
     found: Reproduction
     experiments: Sequence[ExperimentRows]
     tally: Tally
+    panels: Mapping[str, int]
+    """Of each figure."""
+    with_data: bool
+    """Whether the data behind its figures lie beside the page."""
 
     @classmethod
-    def of(cls, found: Reproduction) -> Study:
+    def of(cls, found: Reproduction, panels: Mapping[str, int], *, with_data: bool) -> Study:
         """Without the series that figures are drawn from."""
         experiments = folded(found)
-        return cls(found.without_results(), experiments, Tally.of(experiments))
+        return cls(found.without_results(), experiments, Tally.of(experiments), panels, with_data)
 
     @property
     def paper(self) -> Paper:
@@ -129,7 +134,7 @@ def section(study: Study) -> str:
         told = {"Promised": paper.story.promised, "What we see": paper.story.seen, "Why": paper.story.why}
         story = "".join(f"<div><h3>{k}</h3><p>{_told(text, anchors)}</p></div>" for k, text in told.items())
         story = f'<div class="story">{story}</div>'
-    drawn = "".join(_figure(paper, one.name, one.caption) for one in paper.figures)
+    drawn = "".join(_figure(study, one.name, one.caption) for one in paper.figures)
     claims = "".join(_experiment(study, experiment) for experiment in study.experiments)
     accepted = "good" if tally.accepted == tally.claims else "bad"
     chips = [(accepted, f"{tally.accepted} of {tally.claims}", "claims accepted")]
@@ -145,12 +150,14 @@ def section(study: Study) -> str:
     )
 
 
-def _figure(paper: Paper, name: str, caption: str) -> str:
-    place = f"{paper.id}/{name}"
+def _figure(study: Study, name: str, caption: str) -> str:
+    paper = study.paper
+    place = escape(f"{paper.id}/{name}")
+    data = f' <a href="{place}.npz" download>data</a>' if study.with_data else ""
     return (
-        f'<figure id="{_id(paper)}-{escape(name)}" data-name="{escape(place)}" data-src="{escape(place)}.js">'
-        f'<figcaption>{escape(caption)} <a href="{escape(place)}.npz" download>data</a> <span class="at dim"></span>'
-        '</figcaption><div class="drawing"></div></figure>'
+        f'<figure id="{_id(paper)}-{escape(name)}" data-name="{place}" data-src="{place}.js">'
+        f'<figcaption>{escape(caption)}{data} <span class="at dim"></span></figcaption>'
+        f'<div class="drawing" style="min-height:{height(study.panels[name])}px"></div></figure>'
     )
 
 

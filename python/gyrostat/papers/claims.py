@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
@@ -66,6 +67,10 @@ class Claim:
     accept: tuple[float, float]
     measure: Measure
     note: str
+
+    def fits(self, pattern: str) -> bool:
+        """Whether a pattern names it, with or without its case: ``t1.*``."""
+        return any(fnmatchcase(name, pattern) for name in (self.id, self.id.partition("@")[0]))
 
     def evaluate(self, result: Result | Ensemble, results: Mapping[str, Result]) -> Evaluation:
         """Measure it on the result of its case."""

@@ -119,21 +119,16 @@ class Paper:
     story: Story | None = None
     findings: tuple[Surprise, ...] = ()
 
-    def only(self, pattern: str) -> Paper:
-        """The study with the claims whose identifier, with or without its case, fits a pattern; without figures.
-
-        Raises
-        ------
-        InputError
-            There is none.
-        """
-        claims = [c for c in self.claims if any(fnmatch.fnmatchcase(n, pattern) for n in (c.id, c.id.split("@")[0]))]
-        if not claims:
-            raise InputError(f"{self.id}: no claim '{pattern}'{suggestion(pattern, [c.id for c in self.claims])}")
+    def only(self, claims: Sequence[Claim]) -> Paper:
+        """The study with some of its claims, what flies for them, and no figures."""
         needed = {c.case for c in claims} | {o for c in claims for o in c.measure.others}
-        cases = {key: case for key, case in self.cases.items() if key in needed}
-        campaigns = {key: campaign for key, campaign in self.campaigns.items() if key in needed}
-        return replace(self, cases=cases, campaigns=campaigns, claims=tuple(claims), figures=())
+        return replace(
+            self,
+            cases={key: case for key, case in self.cases.items() if key in needed},
+            campaigns={key: campaign for key, campaign in self.campaigns.items() if key in needed},
+            claims=tuple(claims),
+            figures=(),
+        )
 
     def needed_later(self) -> set[str]:
         """Cases whose results figures or claims about two cases ask for."""
