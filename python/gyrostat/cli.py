@@ -32,6 +32,7 @@ from gyrostat.scenario import Scenario, shipped
 from gyrostat.text import one_line, unescaped
 
 if TYPE_CHECKING:
+    from gyrostat.design import Finding
     from gyrostat.papers import Paper, Reproduction
     from gyrostat.results import Result
 
@@ -433,21 +434,22 @@ def check(
         bool, typer.Option("--fly", help="Fly it too, and say how often its demand is out of the actuators' reach.")
     ] = False,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Draw frequency response and gain region there.")
+        Path | None, typer.Option("--out", metavar="FOLDER", help="For a page: torques within reach, margins, figures.")
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Check a scenario without flying it: components against vehicle and period, stability, torque within reach.
 
     With a learning disturbance observer it gives the exact conditions of stability, for every delay and as sampled, and
-    what the published theorem admits; `--out` draws the frequency response of its error and the gains that are stable.
-    With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
+    what the published theorem admits. With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
     loop. With a finite-time disturbance observer it says whether feeding the estimate forward through weakened
     actuators is stable, unstable or unproven, with the critical effectiveness. With any observer that estimates
     something it says who uses the estimate, between which effectiveness of the actuators the sampled loop is stable,
     measured by small flights of the stack, and whether it is with what the faults leave. With an observer of
     effectiveness it says what cannot be identified. It also says which torque the actuators can give in every
-    direction, healthy and when the faults leave them least. Exit status 1 if a check fails.
+    direction, healthy and when the faults leave them least. `--out` leaves a page (`index.html`) that draws these
+    torques, the margins as bars, and frequency response and stable gains where there are any. Exit status 1 if a check
+    fails.
 
     Examples: `gyrostat check wheel2_degraded --torque 0.1 0.2 0`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """
@@ -461,24 +463,31 @@ def check(
     checked = _scenario(scenario, settings)
     rows = checked.check()
     findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
-    drawn = [] if out is None else _drawn(checked, out)
+    page = None if out is None else _drawn(checked, rows, findings, out, torque)
     if as_json:
         printing.as_json({"checks": rows, "design": [vars(f) for f in findings], "remarks": checked.remarks()})
     else:
-        printing.checks(rows, checked.remarks(), findings, drawn)
+        printing.checks(rows, checked.remarks(), findings)
+        if page is not None:
+            typer.echo(f"page: {page}")
     if not all(r["ok"] for r in rows) or any(f.ok is False for f in findings):
         raise typer.Exit(1)
 
 
-def _drawn(scenario: Scenario, out: Path) -> list[Path]:
-    """The figures of `gyrostat check --out`; nothing is written when there are none."""
+def _drawn(
+    scenario: Scenario, rows: list[dict[str, Any]], findings: list[Finding], out: Path, torque_B: Sequence[float] | None
+) -> Path:
+    """The page of `gyrostat check --out`, with its figures as pictures and data beside it."""
     from gyrostat import design
+    from gyrostat.page import page_path
+    from gyrostat.page.check import write_check_page
 
+    target = page_path(out)
     figures = {name: figure for draw in design.FIGURES for name, figure in draw(scenario).items()}
-    if not figures:
-        raise InputError("--out: nothing to draw; figures are of the observer 'learning_disturbance'")
-    with made_folder(out) as folder:
-        return [figure.save(folder / f"{name}.png") for name, figure in figures.items()]
+    with made_folder(target.parent) as folder:
+        for name, figure in figures.items():
+            figure.save(folder / f"{name}.png")
+        return write_check_page(target, scenario, rows, findings, figures, torque_B=torque_B)
 
 
 @app.command()

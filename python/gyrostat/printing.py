@@ -9,7 +9,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -52,17 +51,13 @@ def run(result: Result, remarks: Sequence[str]) -> None:
         typer.echo(note)
 
 
-def checks(
-    rows: Sequence[Mapping[str, Any]], remarks: Sequence[str], findings: Sequence[Finding], pictures: Sequence[Path]
-) -> None:
+def checks(rows: Sequence[Mapping[str, Any]], remarks: Sequence[str], findings: Sequence[Finding]) -> None:
     """What a check of a scenario found."""
     lines: list[tuple[str, ...]] = [
         (r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows
     ]
     lines += [("scenario", "remark", text) for text in remarks]
     columns([*lines, *_finding_lines(findings)])
-    for picture in pictures:
-        typer.echo(f"figure: {picture}")
 
 
 def designs(known: Mapping[str, Design]) -> None:

@@ -62,7 +62,7 @@ def report(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     """What ``gyrostat reproduce --out`` leaves for the module's ``PAPER``, with its JSON output in ``out.json``."""
     folder = tmp_path_factory.mktemp("report")
     start = "from gyrostat.cli import main; main()"
-    command = [sys.executable, "-c", start, "reproduce", request.module.PAPER, "--json", "--out", str(folder)]
+    command = [sys.executable, "-c", start, "reproduce", request.module.PAPER, "--json", "--data", "--out", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     (folder / "out.json").write_text(done.stdout)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr
