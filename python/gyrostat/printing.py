@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -74,6 +75,17 @@ def design(report: DesignReport) -> None:
         typer.echo(f"\n[{role}]")
         for key, value in table.items():
             typer.echo(f"{key} = {json.dumps(value)}")
+
+
+def reproductions(found: Sequence[Reproduction], page: Path | None, *, briefly: bool) -> None:
+    """Every claim of some studies, or, when each has told its line, what was missed; and where the report is."""
+    if briefly:
+        missed(found)
+    else:
+        for one in found:
+            reproduction(one)
+    if page is not None:
+        typer.echo(f"report: {page}")
 
 
 def reproduction(found: Reproduction) -> None:
@@ -304,6 +316,7 @@ __all__ = [
     "names",
     "progress",
     "reproduction",
+    "reproductions",
     "run",
     "tally",
 ]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The report of studies: what was published, what is measured, and why. Page: docs/pages.md"""
+"""The report of studies: what was published, what is measured, and why.
+
+Page: docs/pages.md
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page of ``gyrostat check``: margins as bars, the torques within reach as a solid, and the figures of the design checks."""
+"""The page of ``gyrostat check``: torques within reach as a solid, margins as bars, figures of the design checks."""
 
 from __future__ import annotations
 
@@ -139,21 +139,23 @@ def _solid(scenario: Scenario, torque_B: Sequence[float] | None) -> str:
         "sets": [_set(name, one, hues[name]) for name, one in named.items()],
         "demand": None if torque_B is None else list(torque_B),
     }
-    axes = {f"{sign}{axis}": (1.0 if sign == "+" else -1.0) * np.eye(3)[k] for k, axis in enumerate("xyz") for sign in "+−"}
+    axes = {
+        f"{sign}{axis}": (1.0 if sign == "+" else -1.0) * np.eye(3)[k] for k, axis in enumerate("xyz") for sign in "+−"
+    }
     rows = [[f"along {name}", *(_torque(one.radius(v)) for one in named.values())] for name, v in axes.items()]
     rows.insert(0, ["in every direction (ring)", *(_torque(one.in_every_direction) for one in named.values())])
     rows.append(["volume", *(f"{one.volume:.4g} (N m)³" for one in named.values())])
-    keys = "".join(
-        f'<span><i style="background:var(--hue{hues[name]})"></i>{name}</span>' for name in named
-    )
+    keys = "".join(f'<span><i style="background:var(--hue{hues[name]})"></i>{name}</span>' for name in named)
     note = (
-        "All torques that commands inside their limits produce, N m in body axes: healthy as glass, and when the faults "
-        "leave it least, filled. The ring is the torque to be had in every direction. Drag to turn, double click to go back."
+        "All torques that commands inside their limits produce, N m in body axes: healthy as glass, and when the "
+        "faults leave it least, filled. The ring is the torque to be had in every direction. Drag to turn, double "
+        "click to go back."
     )
     json_ = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return (
         f'<div id="torques"><div><div class="keys">{keys}</div><div id="solid"></div><p class="dim">{note}</p></div>'
-        f'<div>{table(("torque", *named), rows)}</div></div><script type="application/json" id="solid-data">{json_}</script>'
+        f"<div>{table(('torque', *named), rows)}</div></div>"
+        f'<script type="application/json" id="solid-data">{json_}</script>'
     )
 
 
@@ -184,12 +186,13 @@ def _figures(figures: Mapping[str, Figure]) -> str:
 
 
 def _table(checks: Sequence[Mapping[str, Any]], findings: Sequence[Finding], remarks: Sequence[str]) -> str:
-    rows = [(r["where"], r["name"], bool(r["ok"]), _said(r)) for r in checks]
+    rows: list[tuple[str, str, bool | None, str]] = [(r["where"], r["name"], bool(r["ok"]), _said(r)) for r in checks]
     rows += [(f.where, f.name, f.ok, f.text) for f in findings]
     rows += [("scenario", "remark", None, text) for text in remarks]
     cells = "".join(
         f'<tr class="{_verdicts[ok][0]}"><td>{escape(where)}</td><td>{escape(name)}</td>'
-        f'<td><span class="tag {_verdicts[ok][0]}">{_verdicts[ok][1]}</span></td><td class="text">{escape(text)}</td></tr>'
+        f'<td><span class="tag {_verdicts[ok][0]}">{_verdicts[ok][1]}</span></td>'
+        f'<td class="text">{escape(text)}</td></tr>'
         for where, name, ok, text in rows
     )
     head = "".join(f"<th>{name}</th>" for name in ("of", "what", "", "found"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A `gyrostat.plots.Figure` as data that a page draws itself: lines that can be zoomed, read and hidden, light and dark.
+"""A `gyrostat.plots.Figure` as data that a page draws itself: lines that can be zoomed, read and hidden.
 
 ``assets/figure.js`` draws it.
 """

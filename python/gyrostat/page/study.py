@@ -173,8 +173,8 @@ def _experiment(study: Study, experiment: ExperimentRows) -> str:
         f'data-case="{escape(experiment.id)}"><summary><b>{escape(_title(paper, experiment.id))}</b> '
         f'<span class="dim">{number_of} claim{"s" * (number_of > 1)}</span><span class="dots">{dots}</span></summary>'
         f'<p class="dim">{"; ".join(_flown(study, experiment))}</p>'
-        '<div class="wide"><table><thead><tr><th>quantity</th><th>published</th><th>measured</th><th>accepted range</th>'
-        f"<th>statement</th><th></th></tr></thead><tbody>{rows}</tbody></table></div></details>"
+        '<div class="wide"><table><thead><tr><th>quantity</th><th>published</th><th>measured</th>'
+        f"<th>accepted range</th><th>statement</th><th></th></tr></thead><tbody>{rows}</tbody></table></div></details>"
     )
 
 
@@ -196,7 +196,8 @@ def _flown(study: Study, experiment: ExperimentRows) -> Iterator[str]:
     else:
         many = paper.campaigns[case]
         every = f'<a href="{escape(paper.id)}/{escape(case)}.csv">each run</a>'
-        yield f"{many.runs} runs, seed {many.seed}, period {many.scenario.dt:g} s, {many.scenario.duration:g} s; {every}"
+        yield f"{many.runs} runs, seed {many.seed}, period {many.scenario.dt:g} s, {many.scenario.duration:g} s"
+        yield every
 
 
 def _row(paper: Paper, row: Row) -> str:

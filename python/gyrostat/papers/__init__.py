@@ -55,9 +55,9 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
     study's own), the other keys of ``measure``, and those of a row that are no key of a claim, are its arguments.
     `signal` is a channel or one of the study's signals; ``column = 2`` picks a component. The size of a signal is its
     largest component, unless the metric says otherwise.
-    ``[story]`` says what was ``promised``, what is ``seen`` here and ``why``; each of ``[[findings]]`` has a ``title``, a
-    ``text`` and the ``claim`` to read on, the most surprising one first. ``{id}`` in them is the measured number of a
-    claim: none is written by hand.
+    ``[story]`` says what was ``promised``, what is ``seen`` here and ``why``; each of ``[[findings]]`` has a
+    ``title``, a ``text`` and the ``claim`` to read on, the most surprising one first. ``{id}`` in them is the measured
+    number of a claim: none is written by hand.
     ``[campaigns.<id>]`` tables fly one case many times with sampled changes: `gyrostat.papers.campaigns`.
 ``signals.py`` (may be absent)
     ``SIGNALS: dict[str, Callable[[Result], ndarray]]``, quantities computed from channels, one row a sample; and

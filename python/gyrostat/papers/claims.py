@@ -17,7 +17,6 @@ from gyrostat.papers.campaigns import ENSEMBLE_METRICS, Campaign, Ensemble
 from gyrostat.papers.measures import METRICS, Array, Measure, Metric
 from gyrostat.results import Result
 
-
 Statement = Literal["holds", "fails", "open"]
 """What became of a statement of a publication; open: what was measured does not decide it."""
 
