@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ _of_wheels = {
 """Tables of a scenario whose actuators are all wheels."""
 
 
+@cache
 def vehicles() -> dict[str, Scenario]:
     """A scenario with each vehicle that comes with the package, by its name; of those that share one the first."""
     from gyrostat.campaign import Campaign

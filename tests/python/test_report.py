@@ -368,9 +368,8 @@ def opened(driver: webdriver.Chrome, written: Path) -> Iterator[Page]:
 
 
 def test_it_opens_with_one_table_and_what_surprises(opened: Page) -> None:
-    cells = opened.run(
-        "return [...document.querySelectorAll('#overview tbody tr')].map(r => [...r.cells].map(c => c.innerText.trim()))"
-    )
+    rows = "[...document.querySelectorAll('#overview tbody tr')]"
+    cells = opened.run(f"return {rows}.map(r => [...r.cells].map(c => c.innerText.trim()))")
     assert cells == [["one_wheel", "A study of one wheel", "5 of 7", "", "1", "2", "2"]]
     widths = opened.run(
         "return [...document.querySelectorAll('#overview .stack i')].map(i => i.getBoundingClientRect().width)"
