@@ -58,7 +58,7 @@ def script(name: str, figure: Figure) -> str:
 
 def height(panels: int) -> int:
     """Of the picture of a figure with so many panels, in pixels, about: kept free until it is drawn."""
-    return 310 if panels == 1 else 151 * panels + 30
+    return 335 if panels == 1 else 162 * panels + 25
 
 
 def _panel(axis: Axes, lines: list[Line2D], share: int) -> dict[str, Any]:

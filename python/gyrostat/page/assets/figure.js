@@ -133,7 +133,7 @@ class Drawn {
       + `<clipPath id="${clip}"><rect x="${edge.left}" y="${edge.top - 2}" width="${right - edge.left}" height="${inner + 4}"/></clipPath>`
       + `${parts.join("")}<g clip-path="url(#${clip})">${lines}</g><rect class="chosen" y="${edge.top}" height="${inner}" width="0"/>`
       + `<path class="reading" d="M0 ${edge.top}V${bottom}" visibility="hidden"/></svg>`;
-    const keys = panel.lines.map((line, i) => `<span class="key${line.off ? " off" : ""}" data-line="${i}"><i style="background:var(--hue${line.hue})"></i>`
+    const keys = panel.lines.map((line, i) => !line.name ? "" : `<span class="key${line.off ? " off" : ""}" data-line="${i}"><i style="background:var(--hue${line.hue})"></i>`
       + `<span>${escaped(line.name)}</span> <span class="value"></span></span>`);
     box.querySelector(".head").innerHTML = `<b>${escaped(panel.title)}</b>${keys.join("")}`;
   }
@@ -161,7 +161,7 @@ class Drawn {
       const ends = this.from === undefined || at === null ? [0, 0] : [this.across.px(this.from), this.across.px(at)];
       chosen.setAttribute("x", Math.min(...ends));
       chosen.setAttribute("width", Math.abs(ends[1] - ends[0]));
-      box.querySelectorAll(".value").forEach((value, i) => { value.textContent = at === null ? "" : short(nearest(panel.lines[i], at)); });
+      box.querySelectorAll(".key").forEach(key => { key.lastChild.textContent = at === null ? "" : short(nearest(panel.lines[key.dataset.line], at)); });
     });
     const title = this.holder.parentElement.querySelector(".at");
     if (title) title.textContent = at === null ? "" : `at ${short(at)}`;
