@@ -47,8 +47,8 @@ void def_quat(py::class_<C>& c, const char* name, T C::* member, const char* doc
   c.def_property(
       name, [member](const C& s) { return coefficients(s.*member); },
       [member, name](C& s, const ArrayLike& from) {
-        const auto c = given<Eigen::Vector4d>(from, name);
-        s.*member = Q(c[0], c[1], c[2], c[3]);
+        const auto q = given<Eigen::Vector4d>(from, name);
+        s.*member = Q(q[0], q[1], q[2], q[3]);
       },
       doc);
 }
@@ -124,9 +124,16 @@ void bind_signals(py::module_& m) {
   def_per_actuator(vehicle, "u_rate", &Vehicle<double>::u_rate, "(n,) N m/s");
   def_per_actuator(vehicle, "h_max", &Vehicle<double>::h_max,
                    "(n,) N m s, momentum at which a wheel gives no more; infinite: not known");
+  def_per_actuator(
+      vehicle, "u_quantum", &Vehicle<double>::u_quantum,
+      "(n,) N m, of on/off actuators one tick of the valve as a mean over the period; 0, or empty: continuous");
+  def_per_actuator(vehicle, "u_dead", &Vehicle<double>::u_dead, "(n,) N m, smallest command of these that acts");
+  def_per_actuator(vehicle, "u_gap", &Vehicle<double>::u_gap,
+                   "(n,) N m, smallest distance from u_up that they keep; what is nearer is u_up");
   def_mask(vehicle, "spare", &Vehicle<double>::spare, "actuators that are off until a detector enables them");
   def_mask(vehicle, "wheels", &Vehicle<double>::wheels, "actuators that store momentum");
   vehicle.def_readonly("orbit_rate", &Vehicle<double>::orbit_rate, "rad/s");
+  vehicle.def_readonly("moving_axes", &Vehicle<double>::moving_axes, "D_B is where they start; signals have `axes`");
 
   py::class_<Setup<double>>(m, "Setup", "What a component is built for: the nominal vehicle and the period dt (s).")
       .def_readonly("vehicle", &Setup<double>::vehicle)
@@ -144,6 +151,7 @@ void bind_signals(py::module_& m) {
   def_quat(y, "q_NB", &Measurement<double>::q_NB, "(4,) scalar first; sign continuous from the start");
   def_vector(y, "omega_BN_B", &Measurement<double>::omega_BN_B, "(3,) rad/s");
   def_per_actuator(y, "h_w", &Measurement<double>::h_w, "(n,) N m s");
+  def_per_actuator(y, "gimbal", &Measurement<double>::gimbal, "(n,) rad; (0,) without control moment gyros");
   y.def_readonly("euler", &Measurement<double>::euler);
   y.def_readwrite("attitude_valid", &Measurement<double>::attitude_valid,
                   "False: q_NB was not measured at this sample but carried on by the model");

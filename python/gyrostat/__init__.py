@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from gyrostat.scenario import Record, Scenario, Shadow
     from gyrostat.stacks import recommended
     from gyrostat.survival import survive
-    from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
+    from gyrostat.vehicle import ControlMomentGyros, Flexible, Initial, Thrusters, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
     from gyrostat.verification.requirements import verify
 
@@ -61,6 +61,7 @@ __all__ = [
     "Campaign",
     "CampaignResult",
     "Component",
+    "ControlMomentGyros",
     "Demand",
     "Detection",
     "Estimate",
@@ -77,6 +78,7 @@ __all__ = [
     "Scenario",
     "Setup",
     "Shadow",
+    "Thrusters",
     "Truth",
     "Vehicle",
     "__version__",
@@ -135,7 +137,7 @@ _homes = {
     "scenario": ["Record", "Scenario", "Shadow"],
     "survival": ["survive"],
     "stacks": ["recommended"],
-    "vehicle": ["Flexible", "Initial", "Truth", "Vehicle"],
+    "vehicle": ["ControlMomentGyros", "Flexible", "Initial", "Thrusters", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],
 }

@@ -95,6 +95,11 @@ class NominalVehicle:
     @h_max.setter
     def h_max(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
+    def moving_axes(self) -> bool:
+        """
+        D_B is where they start; signals have `axes`
+        """
+    @property
     def orbit_rate(self) -> float:
         """
         rad/s
@@ -107,12 +112,33 @@ class NominalVehicle:
     @spare.setter
     def spare(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
     @property
+    def u_dead(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m, smallest command of these that acts
+        """
+    @u_dead.setter
+    def u_dead(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def u_gap(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m, smallest distance from u_up that they keep; what is nearer is u_up
+        """
+    @u_gap.setter
+    def u_gap(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
     def u_lo(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (n,) N m
         """
     @u_lo.setter
     def u_lo(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def u_quantum(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m, of on/off actuators one tick of the valve as a mean over the period; 0, or empty: continuous
+        """
+    @u_quantum.setter
+    def u_quantum(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def u_rate(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
@@ -184,6 +210,13 @@ class Measurement:
         """
         counts jumps that no motion explains
         """
+    @property
+    def gimbal(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) rad; (0,) without control moment gyros
+        """
+    @gimbal.setter
+    def gimbal(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def h_w(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """

@@ -11,6 +11,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import PlainValidator, ValidationInfo, model_validator
 
 from gyrostat import _core, protocols, toml
@@ -19,7 +21,7 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.memory import available_memory
 from gyrostat.model import Model
 from gyrostat.text import shown
-from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
+from gyrostat.vehicle import ControlMomentGyros, Flexible, Initial, Thrusters, Truth, Vehicle, all_actuators, standing
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
@@ -137,6 +139,10 @@ class Scenario(Model):
         What really flies where it differs, and the state at t = 0.
     flexible
         Appendages of the true vehicle that bend.
+    cmg
+        Control moment gyros, behind the actuators of the vehicle.
+    thrusters
+        On/off thrusters, the last of the actuators.
     navigator, observer, detector, controller, allocator
         Components of the flight stack, or Python objects with a ``step`` (see `gyrostat.protocols`).
     reference, integrator
@@ -181,6 +187,8 @@ class Scenario(Model):
     vehicle: Vehicle
     truth: Truth | None = None
     flexible: Flexible | None = None
+    cmg: ControlMomentGyros | None = None
+    thrusters: Thrusters | None = None
     initial: Initial | None = None
     navigator: _Navigator = None
     observer: _Observer = None
@@ -275,6 +283,21 @@ class Scenario(Model):
         for key, value in changes.items():
             _set(tables, key, value)
         return type(self).from_dict(tables)
+
+    @property
+    def actuators(self) -> int:
+        """Number of actuators: the vehicle's, its control moment gyros and its thrusters."""
+        gyros = 0 if self.cmg is None else self.cmg.count
+        return self.vehicle.actuators + gyros + (0 if self.thrusters is None else self.thrusters.torque.size)
+
+    @property
+    def axes_B(self) -> NDArray[np.float64]:
+        """(3, n) axes of the actuators as flight knows them, of control moment gyros those of the start."""
+        return np.asarray(all_actuators(self.to_dict())["D_B"], dtype=float)
+
+    def standing(self) -> Scenario:
+        """The scenario with gimbals that do not turn (`gyrostat.vehicle.standing`); itself without gyros."""
+        return self if self.cmg is None else type(self).from_dict(standing(self.to_dict()))
 
     def check(self) -> list[dict[str, Any]]:
         """Build everything without running; one row a component check, with the number and the limit it was held to.
@@ -417,7 +440,7 @@ def shipped() -> dict[str, Path]:
 
 def _table(value: Any) -> Any:
     """Plain form of a field of a scenario."""
-    if isinstance(value, Component | Vehicle | Truth | Flexible | Initial):
+    if isinstance(value, Component | Vehicle | Truth | Flexible | ControlMomentGyros | Thrusters | Initial):
         return value.to_dict()
     if isinstance(value, Model):
         return {k: _table(v) for k, v in value if v is not None}

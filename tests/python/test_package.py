@@ -93,6 +93,57 @@ def test_the_module_is_hardened() -> None:
     assert re.search(r"GNU_STACK\s.*\sRW\s", readelf("--program-headers"))
 
 
+def _said(*arguments: str) -> str:
+    command = [sys.executable, "-m", "gyrostat", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def test_config_says_where_the_headers_are() -> None:
+    include, cmake = Path(_said("config", "--include")), Path(_said("config", "--cmake"))
+    assert (include / "gyrostat" / "flight" / "stack.hpp").is_file()
+    assert (cmake / "gyrostat-config.cmake").is_file()
+    assert _said("config").split() == ["version", gs.__version__, "include", str(include), "cmake", str(cmake)]
+
+
+def test_a_stack_compiles_against_the_installed_package(tmp_path: Path) -> None:
+    """As somebody without a clone would do it: the consumer's flight half, found by ``-Dgyrostat_DIR``."""
+    found = f"-Dgyrostat_DIR={_said('config', '--cmake')}"
+    configure = [
+        "cmake",
+        "-S",
+        str(ROOT / "tests" / "consumer"),
+        "-B",
+        str(tmp_path),
+        found,
+        "-DCMAKE_BUILD_TYPE=Debug",
+    ]
+    build = ["cmake", "--build", str(tmp_path), "--target", "fly_static"]
+    for command in (configure, build, [str(tmp_path / "fly_static")]):
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=900)
+        assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    assert "pointing error" in done.stdout
+
+
+@pytest.mark.parametrize(("component", "status"), [("flight", 0), ("host", 1)])
+def test_the_installed_package_says_what_it_does_not_bring(tmp_path: Path, component: str, status: int) -> None:
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.24)\nproject(user LANGUAGES CXX)\n"
+        f"find_package(gyrostat REQUIRED COMPONENTS {component})\n"
+    )
+    command = ["cmake", "-S", str(tmp_path), "-B", str(tmp_path / "b"), f"-Dgyrostat_DIR={_said('config', '--cmake')}"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == status, done.stderr
+    assert ("the Python package brings core and flight" in " ".join(done.stderr.split())) == bool(status)
+
+
+def test_the_module_needs_no_library_of_its_own() -> None:
+    """SUNDIALS is inside, and MPI, which Debian builds it with, is nowhere."""
+    command = ["readelf", "--wide", "--dynamic", _core.__file__]
+    dynamic = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    needed = re.findall(r"\(NEEDED\).*\[(.+?)\.so", dynamic)
+    assert set(needed) <= {"libstdc++", "libm", "libgcc_s", "libc", "ld-linux-x86-64", "ld-linux-aarch64"}
+
+
 def test_importing_loads_no_heavy_library() -> None:
     program = "import sys, gyrostat; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

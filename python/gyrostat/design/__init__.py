@@ -9,6 +9,7 @@ take an option. `FIGURES` is what ``gyrostat check --out`` draws, by name. `DESI
 from collections.abc import Callable, Sequence
 
 from gyrostat.design import (
+    cmg,
     compensation,
     estimate_use,
     feasibility,
@@ -24,6 +25,7 @@ from gyrostat.design import (
     preassigned_time,
     predefined_time,
     sampled_loop,
+    thrusters,
     time_constants,
 )
 from gyrostat.design.compensation import (
@@ -50,6 +52,7 @@ CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     mixed_learning_tool.findings,
     preassigned_time.findings,
     predefined_time.findings,
+    thrusters.findings,
     time_constants.findings,
 )
 
@@ -73,8 +76,15 @@ def findings(
         As in `compensation.findings` and `sampled_loop.findings`.
     torque_B, fly
         As in `torque_findings`.
+
+    Returns
+    -------
+    list of Finding
+        Of a vehicle with control moment gyros, what is asked of its axes is asked of those at the start.
     """
+    gimbals, scenario = cmg.findings(scenario), scenario.standing()
     return [
+        *gimbals,
         *(finding for look in CHECKS for finding in look(scenario)),
         *compensation.findings(scenario, effectiveness),
         *sampled_loop.findings(scenario, effectiveness),
@@ -97,6 +107,7 @@ __all__ = [
     "Finding",
     "LoopMargin",
     "attainable_after_faults",
+    "cmg",
     "compensation",
     "compensation_margin",
     "critical_effectiveness",

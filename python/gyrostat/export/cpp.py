@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from gyrostat import _core
@@ -11,6 +12,7 @@ from gyrostat.export.model import FlightCode, Parameter, literal
 from gyrostat.export.places import comment, markdown
 from gyrostat.export.recording import write_recording
 
+GYROS_HEADER = "gyrostat/flight/control_moment_gyros.hpp"
 BASE_HEADERS = ["gyrostat/core/set_parameter.hpp", "gyrostat/flight/stack.hpp"]
 
 
@@ -31,9 +33,7 @@ def write_header(code: FlightCode, folder: Path, namespace: str | None = None) -
     """``<name>.hpp``, and what it includes in ``include/``."""
     values = names(code) | _parts(code) | {"namespace": namespace or code.name}
     (folder / f"{code.name}.hpp").write_text(filled("cpp/flight.hpp", values), encoding="utf-8")
-    copy_headers(
-        [*BASE_HEADERS, "gyrostat/flight/facade.hpp", *(c.header for c in code.components)], folder / "include"
-    )
+    copy_headers([*_headers(code), "gyrostat/flight/facade.hpp"], folder / "include", code.capacity)
 
 
 def names(code: FlightCode) -> dict[str, object]:
@@ -50,6 +50,7 @@ def names(code: FlightCode) -> dict[str, object]:
         "duration": f"{(len(code.rows) - 1) * code.dt:g}",
         "samples": len(code.rows),
         "stack": ", ".join(c.name for c in code.components),
+        **_gimbals(code),
         "bytes": -(-code.bytes[code.scalar] * 3 // 2 // 64) * 64 + 128,
     }
 
@@ -57,16 +58,44 @@ def names(code: FlightCode) -> dict[str, object]:
 def _parts(code: FlightCode) -> dict[str, object]:
     by_role = {c.role: c for c in code.components}
     return {
-        "includes": "\n".join(f'#include "{h}"' for h in sorted([*BASE_HEADERS, *(c.header for c in code.components)])),
+        "includes": "\n".join(f'#include "{h}"' for h in sorted(_headers(code))),
         "aliases": "\n".join(f"  using {role.capitalize()} = {c.cpp}<S>;" for role, c in by_role.items()),
         "vehicle": "\n".join(f"    {line}" for line in _vehicle(code)),
         "parameters": "\n".join(
             f"    take(set_parameter(p.{c.role}, {_setting(p)});{_comment(p)}"
             for c in code.components
             for p in c.params
-        ),
+        )
+        + "".join(f"\n    {line}" for line in _gyros(code)),
         "allow_unstable": str(code.allow_unstable).lower(),
     }
+
+
+def _headers(code: FlightCode) -> list[str]:
+    return [*BASE_HEADERS, *([GYROS_HEADER] if code.gyros else []), *(c.header for c in code.components)]
+
+
+def _gimbals(code: FlightCode) -> dict[str, str]:
+    """What templates say of gimbals: nothing without them."""
+    n = code.actuators
+    said = {
+        "geometry": ",\n                                      gyrostat::ControlMomentGyros<S>",
+        "gimbal_field": f"\n  {code.name}_real gimbal[{n}]; /* rad, of each gimbal; 0 without one */",
+        "gimbal_member": f", gimbal[{n}]",
+        "take_gimbal": f"\n    take_recorded(d.row, measurement_gimbal, y.gimbal, {n});",
+    }
+    return said if code.gyros else dict.fromkeys(said, "")
+
+
+def _gyros(code: FlightCode) -> list[str]:
+    def vector(v: Sequence[float]) -> str:
+        return "{" + ", ".join(f"S({literal(x)})" for x in v) + "}"
+
+    return [
+        f"p.geometry.add({g['actuator']}, {vector(g['gimbal_axis_B'])},\n                   "
+        f"{vector(g['spin_axis_B'])}, S({literal(g['rotor_momentum'])}));  // N m s"
+        for g in code.gyros
+    ]
 
 
 def _setting(p: Parameter) -> str:
@@ -94,8 +123,17 @@ def _vehicle(code: FlightCode) -> list[str]:
     lines += [f"v.D_B.resize(3, {n});", f"v.D_B << {filled_with(v['D_B'])};  // axes in columns"]
     for limit, unit in (("u_lo", "N m"), ("u_up", "N m"), ("u_rate", "N m/s"), ("h_max", "N m s")):
         lines += [f"v.{limit}.resize({n});", f"v.{limit} << {filled_with([v[limit]])};  // {unit}"]
+    if v["u_quantum"]:
+        for pulse, meaning in (
+            ("u_quantum", "a tick of the valves"),
+            ("u_dead", "least pulse"),
+            ("u_gap", "least pause"),
+        ):
+            lines += [f"v.{pulse}.resize({n});", f"v.{pulse} << {filled_with([v[pulse]])};  // N m, {meaning}"]
     for mask in ("spare", "wheels"):
         lines += [f"v.{mask}.set({i});" for i in v[mask]]
+    if code.gyros:
+        lines.append("v.moving_axes = true;  // D_B is where they start")
     if v["orbit_rate"]:
         lines.append(f"v.orbit_rate = S({_number(v['orbit_rate'])});  // rad/s")
     return lines

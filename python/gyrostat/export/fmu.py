@@ -14,6 +14,7 @@ from pathlib import Path
 
 from gyrostat import _core
 from gyrostat.components import UNBOUNDED
+from gyrostat.errors import InputError
 from gyrostat.export.compiler import FLAGS, compile_shared, find_compiler, find_eigen, fmi_platform
 from gyrostat.export.cpp import names, write_header
 from gyrostat.export.folder import copy_notices, filled
@@ -53,6 +54,10 @@ class Variable:
 
 def write(code: FlightCode, folder: Path) -> None:
     """``<name>.fmu``, the recorded rows and a page that says how to step it."""
+    if code.gyros:
+        raise InputError(
+            "cmg: target fmu has no input for gimbals; export a stack with control moment gyros as c or cpp"
+        )
     compiler, (platform, ending), _ = find_compiler(), fmi_platform(), find_eigen()
     write_rows(code, folder)
     values = names(code) | {"flags": " ".join(FLAGS)}

@@ -31,6 +31,8 @@ INPUTS = (
     "reference.omegadot_RN_R",
     "reference.event",
 )
+GIMBALS = ("measurement.gimbal",)
+"""Input of a stack that steers control moment gyros, beside the others."""
 OUTPUTS = (
     "allocation.u",
     "allocation.achieved_B",
@@ -104,7 +106,11 @@ class FlightCode:
     dt: float
     vehicle: Mapping[str, Any]
     components: tuple[ComponentCode, ...]
+    gyros: tuple[Mapping[str, Any], ...]
+    """Control moment gyros: actuator, gimbal_axis_B, spin_axis_B, rotor_momentum."""
     allow_unstable: bool
+    capacity: int
+    """Most actuators that the library is compiled for: its storage is inline."""
     bytes: Mapping[str, int]
     """At least the size of the stack for each scalar, with Eigen aligned to 16."""
     columns: Mapping[str, int]
@@ -151,7 +157,9 @@ def flight_code(scenario: Scenario, *, scalar: str, samples: int, name: str | No
         dt=model["dt"],
         vehicle=model["vehicle"],
         components=components,
+        gyros=tuple(model["gyros"]),
         allow_unstable=model["allow_unstable"],
+        capacity=model["capacity"],
         bytes=model["bytes"],
         columns=columns,
         rows=rows,
@@ -210,8 +218,9 @@ def _recorded(scenario: Scenario, samples: int) -> tuple[dict[str, int], NDArray
     if 0 < samples <= intervals:
         intervals = samples - 1
     flown = scenario.replace(record=None, duration=intervals * scenario.dt)
-    result = flown.run(channels=[*INPUTS, *OUTPUTS])
-    blocks = {name: result.channels[name].reshape(len(result), -1) for name in (*INPUTS, *OUTPUTS)}
+    signals = (*INPUTS, *(GIMBALS if scenario.cmg is not None else ()), *OUTPUTS)
+    result = flown.run(channels=list(signals))
+    blocks = {name: result.channels[name].reshape(len(result), -1) for name in signals}
     return {name: block.shape[1] for name, block in blocks.items()}, np.hstack(list(blocks.values()))
 
 

@@ -128,7 +128,7 @@ def _bar(f: Finding) -> str:
 
 def _solid(scenario: Scenario, torque_B: Sequence[float] | None) -> str:
     """The attainable set healthy and after the faults; nothing where a limit is infinite."""
-    sets = attainable_after_faults(scenario)
+    sets = attainable_after_faults(scenario.standing())
     if sets is None:
         return ""
     healthy, left = sets

@@ -27,11 +27,20 @@ Table base() {
   return s;
 }
 
+/// A pair about x, behind the wheels.
+Table thrusters() {
+  return Table{{"positions", List{row({0, 0.5, 0}), row({0, -0.5, 0})}},
+               {"directions", List{row({0, 0, 1}), row({0, 0, -1})}},
+               {"thrust", 0.1}};
+}
+
+bool of_a_valve(const std::string& fault) { return fault == "leak" || fault == "slow_valve"; }
+
 /// The part by its name, with what it needs beyond its defaults to do something.
 Table part(const std::string& family, const std::string& name) {
   Table t{{"type", name}};
   if (family == "fault") {
-    t.set("actuator", 1);
+    t.set("actuator", of_a_valve(name) ? 4 : 1);
     t.set("t_on", 0.2513);
   }
   if (name == "gyro" || name == "attitude") {
@@ -39,6 +48,7 @@ Table part(const std::string& family, const std::string& name) {
     t.set("delay", 3);
     t.set("quantisation", 1e-5);
   }
+  if (name == "rotor_slow_down") t.set("rate", 0.1);
   if (name.ends_with("_dropout")) t.set("t_on", 0.2);  // there is nothing to fly on before a first measurement
   if (name == "slew") {
     t.set("to_euler", row({0.3, 0.2, -0.1}));
@@ -61,9 +71,22 @@ Table part(const std::string& family, const std::string& name) {
   return t;
 }
 
-Table with(const std::string& family, const std::string& name) {
+/// Four control moment gyros in place of the wheels.
+Table on_gyros() {
   Table s = base();
+  s.set("vehicle", Table{{"J_B", row({20, 17, 15})}});
+  s.set("cmg",
+        Table{{"gimbal_axes", List{row({0.8, 0, 0.6}), row({0, 0.8, 0.6}), row({-0.8, 0, 0.6}), row({0, -0.8, 0.6})}},
+              {"spin_axes", List{row({0, 1, 0}), row({-1, 0, 0}), row({0, -1, 0}), row({1, 0, 0})}},
+              {"rotor_momentum", 2.0},
+              {"rate_max", 0.5}});
+  return s;
+}
+
+Table with(const std::string& family, const std::string& name) {
+  Table s = name == "rotor_slow_down" ? on_gyros() : base();
   const Table chosen = part(family, name);
+  if (of_a_valve(name)) s.set("thrusters", thrusters());
   if (family == "fault" || family == "disturbance" || family == "sensor") {
     s.set(family + "s", List{chosen});
   } else if (family == "waveform") {
@@ -83,7 +106,8 @@ void expect_completed(const Table& scenario, const std::string& what) {
 TEST(ShortLoops, EveryPartOfTheCatalogueFlies) {
   int flown = 0;
   for (const auto& [family, names] : families()) {
-    if (family == "vehicle" || family == "truth" || family == "flexible" || family == "initial" || family == "run")
+    if (family == "vehicle" || family == "truth" || family == "flexible" || family == "cmg" || family == "thrusters" ||
+        family == "initial" || family == "run")
       continue;
     for (const std::string& name : names) {
       expect_completed(with(family, name), family + " " + name);
@@ -104,6 +128,26 @@ TEST(ShortLoops, AppendagesThatBend) {
   Table s = base();
   s.set("flexible", Table{{"delta", List{row({0.9, -0.4, 0.3}), row({0.1, 0.5, -0.7})}}, {"omega", row({1.5, 3})}});
   expect_completed(s, "flexible");
+}
+
+TEST(ShortLoops, ThrustersBesideWheels) {
+  for (const char* modulator : {"pwm", "pwpf", "proportional"}) {
+    Table s = base(), t = thrusters();
+    t.set("modulator", modulator);
+    t.set("propellant_mass", 1e-5);
+    s.set("thrusters", t);
+    s.set("faults", List{Table{{"type", "hard_over"}, {"actuator", 5}, {"t_on", 0.3337}}});  // runs dry
+    s.set("allocator", Table{{"type", "weighted_least_squares"}});
+    expect_completed(s, modulator);
+  }
+}
+
+TEST(ShortLoops, ControlMomentGyros) {
+  Table s = on_gyros();
+  s.set("allocator", Table{{"type", "singularity_robust"}});
+  s.set("detector", Table{{"type", "evidence"}});
+  s.set("observer", Table{{"type", "joint_kalman"}});
+  expect_completed(s, "cmg");
 }
 
 TEST(ShortLoops, EveryObserverAsAShadow) {

@@ -27,10 +27,15 @@ struct Vehicle {
   VecN<S> u_lo, u_up;                 ///< N m, limits of the command; infinite when flight knows none
   VecN<S> u_rate;                     ///< N m/s, limit of its change; infinite when there is none
   VecN<S> h_max;                      ///< N m s, |h_w| at which a wheel gives no more; infinite, or empty: not known
-  Mask spare;                         ///< off until a detector enables them
-  Mask wheels;                        ///< actuators that store momentum (h_w)
-  S orbit_rate = S(0);                ///< rad/s, circular orbit
+  VecN<S>
+      u_quantum;  ///< N m, of on/off actuators: one tick of the valve, as a mean over the period; 0, or empty: continuous
+  VecN<S> u_dead;       ///< N m, smallest command of these that acts,
+  VecN<S> u_gap;        ///< N m, smallest distance from u_up that they keep: what is nearer is u_up
+  Mask spare;           ///< off until a detector enables them
+  Mask wheels;          ///< actuators that store momentum (h_w)
+  S orbit_rate = S(0);  ///< rad/s, circular orbit
   Coordinates coordinates = Coordinates::body;
+  bool moving_axes = false;  ///< D_B is where they start: the signals say where they are (Axes)
 
   int actuators() const noexcept { return static_cast<int>(D_B.cols()); }
 };
@@ -73,7 +78,7 @@ enum class Flag : std::uint16_t {
   cap_reached = 16,     ///< a solve is not proven optimal (an iteration limit, rounding): best so far was used
   bad_input = 32,       ///< an allocator refused its input
   rank_lost = 64,       ///< an axis of torque cannot be produced, or is too weak, and was dropped
-  singular = 128,       ///< near a singularity of the chart in use
+  singular = 128,       ///< near a singularity: of the chart in use, or of the gimbals
   breach = 256,         ///< a promised bound was left
 };
 
@@ -103,6 +108,7 @@ struct Measurement {
   Quat<S> q_NB = Quat<S>::Identity();    ///< sign continuous from the initial state
   Vec3<S> omega_BN_B = Vec3<S>::Zero();  ///< rad/s
   VecN<S> h_w;                           ///< N m s, one an actuator; zero for ideal torquers
+  VecN<S> gimbal;                        ///< rad, one an actuator; zero for those that have none, empty without any
   EulerState<S>
       euler;  ///< the state in euler_angles coordinates, where it shares the validity of q_NB; else for the curious
   bool attitude_valid = true, rate_valid = true, momentum_valid = true;

@@ -82,6 +82,11 @@ Measurement<S> measurement_from(const Plain& in) noexcept {
   y.omega_BN_B = detail::vec3_from<S>(in.omega_BN_B);
   y.h_w.resize(static_cast<Eigen::Index>(std::size(in.h_w)));
   for (std::size_t i = 0; i < std::size(in.h_w); ++i) y.h_w[static_cast<Eigen::Index>(i)] = static_cast<S>(in.h_w[i]);
+  if constexpr (requires { in.gimbal; }) {
+    y.gimbal.resize(static_cast<Eigen::Index>(std::size(in.gimbal)));
+    for (std::size_t i = 0; i < std::size(in.gimbal); ++i)
+      y.gimbal[static_cast<Eigen::Index>(i)] = static_cast<S>(in.gimbal[i]);
+  }
   y.attitude_valid = in.attitude_invalid == 0;
   y.rate_valid = in.rate_invalid == 0;
   y.momentum_valid = in.momentum_invalid == 0;

@@ -16,7 +16,8 @@
 
 namespace gyrostat::host {
 
-using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator>;
+using Stack =
+    FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator, ControlMomentGyros<double>>;
 using Shadow = Estimator<AnyObserver, AnyDetector>;
 
 /// Components that come from outside the catalogue, for roles whose entry has type = "python".
@@ -48,7 +49,11 @@ struct Assembly {
   RunBlock run;
   Tick ticks = 0;
   Setup<double> setup;
-  Counts counts() const { return {setup.vehicle.actuators(), static_cast<int>(plant.modes.size())}; }
+  Counts counts() const {
+    const int n = setup.vehicle.actuators();
+    return {n, static_cast<int>(plant.modes.size()), plant.gyros.empty() ? 0 : n,
+            !plant.actuators.thrusters.each.empty()};
+  }
   Vehicles vehicles;
   truth::PlantModel plant;
   truth::InitialState initial;

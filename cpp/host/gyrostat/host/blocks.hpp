@@ -18,7 +18,7 @@ inline constexpr double infinite = std::numeric_limits<double>::infinity();
 struct VehicleBlock {
   static constexpr const char* name = "vehicle";
   Mat3<double> J_B = Mat3<double>::Constant(detail::none);
-  Mat3N<double> D_B = Mat3N<double>::Constant(3, 1, detail::none);
+  Mat3N<double> D_B{3, 0};
   VecN<double> u_max, u_min, u_rate, wheel_inertia, momentum_max;
   Mask spare;
   double orbit_rate = 0;
@@ -27,7 +27,8 @@ struct VehicleBlock {
   static constexpr void describe(auto& p, auto&& field) {
     field(p.J_B,
           Field{"J_B", "kg m^2", -1e9, 1e9, "inertia of the whole vehicle, wheels included; 3 numbers are a diagonal"});
-    field(p.D_B, Field{"D_B", "", -1e6, 1e6, "actuator axes in columns, body frame"});
+    field(p.D_B,
+          Field{"D_B", "", -1e6, 1e6, "actuator axes in columns, body frame; absent with [cmg]: no other actuators"});
     field(p.u_max, Field{"u_max", "N m", -detail::infinite, detail::infinite,
                          "largest command that flight knows of; absent: no limit"});
     field(p.u_min, Field{"u_min", "N m", -detail::infinite, detail::infinite, "smallest command; absent: -u_max"});
@@ -100,6 +101,62 @@ struct FlexibleBlock {
     field(p.xi, Field{"xi", "", 0, 1, "damping ratio of each mode; absent: 0.005"});
     field(p.eta, Field{"eta", "kg^1/2 m", -1e6, 1e6, "displacement of each mode at t = 0; absent: 0"});
     field(p.eta_rate, Field{"eta_rate", "kg^1/2 m/s", -1e6, 1e6, "its rate at t = 0; absent: 0"});
+  }
+};
+
+/// On/off thrusters. They are the actuators after those of the vehicle's D_B; their axes and limits follow from where they sit.
+struct ThrustersBlock {
+  static constexpr const char* name = "thrusters";
+  enum class Align : std::uint8_t { start, centre };
+  enum class Modulator : std::uint8_t { pwm, pwpf, proportional };
+  std::vector<std::vector<double>> positions, directions;
+  VecN<double> thrust, Isp;
+  Vec3<double> centre_of_mass = Vec3<double>::Zero();
+  double tick = 0.001, propellant_mass = detail::infinite;
+  int min_on = 1, min_off = 1;
+  Align align = Align::start;
+  Modulator modulator = Modulator::pwm;
+  double pwpf_gain = 4.5, pwpf_time_constant = 0.15, pwpf_on = 0.45, pwpf_off = 0.15;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.positions, Field{"positions", "m", -1e3, 1e3, "where each thruster sits, body axes; a row of three each"});
+    field(p.directions, Field{"directions", "", -1e3, 1e3,
+                              "of the force of each on the body, against its jet; a row of three each, any length"});
+    field(p.thrust, Field{"thrust", "N", 0, 1e6, "force of each while its valve is open, > 0"});
+    field(p.centre_of_mass, Field{"centre_of_mass", "m", -1e3, 1e3, "of the vehicle, body axes"});
+    field(p.tick, Field{"tick", "s", 1e-6, 1e3, "a pulse is a whole number of ticks, a period too"});
+    field(p.min_on, Field{"min_on", "", 1, 1e6, "ticks of the shortest pulse; a shorter one is none"});
+    field(p.min_off, Field{"min_off", "", 1, 1e6, "ticks of the shortest pause in a period; a shorter one is none"});
+    field(p.align, Choice{"align", "start|centre", "where in its period a pulse lies"});
+    field(p.modulator,
+          Choice{"modulator", "pwm|pwpf|proportional",
+                 "pwm: a pulse a period; pwpf: pulse width and frequency, by a lag and a trigger with hysteresis; "
+                 "proportional: no valve, thrust as commanded"});
+    field(p.pwpf_gain, Field{"pwpf_gain", "", 1e-6, 1e6, "of the lag of the pwpf modulator"});
+    field(p.pwpf_time_constant, Field{"pwpf_time_constant", "s", 1e-6, 1e6, "of that lag"});
+    field(p.pwpf_on, Field{"pwpf_on", "", 0, 1e6, "its output at which the valve is opened"});
+    field(p.pwpf_off, Field{"pwpf_off", "", 0, 1e6, "and at which it is closed, below pwpf_on"});
+    field(p.Isp, Field{"Isp", "s", 0, 1e5, "specific impulse of each; absent: 220"});
+    field(p.propellant_mass, Field{"propellant_mass", "kg", 0, detail::infinite, "at t = 0; infinity: never runs dry"});
+  }
+};
+
+/// Control moment gyros: actuators behind those of the vehicle's D_B, known to flight as they are.
+struct CmgBlock {
+  static constexpr const char* name = "cmg";
+  std::vector<std::vector<double>> gimbal_axes, spin_axes;
+  VecN<double> rotor_momentum, rate_max, angles, angle_max;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.gimbal_axes, Field{"gimbal_axes", "", -1.1, 1.1, "unit vector along each gimbal axis; a row a gyro"});
+    field(p.spin_axes, Field{"spin_axes", "", -1.1, 1.1,
+                             "unit vector along each rotor at gimbal angle zero, perpendicular to the gimbal axis"});
+    field(p.rotor_momentum, Field{"rotor_momentum", "N m s", 0, 1e9, "of each rotor, > 0"});
+    field(p.rate_max,
+          Field{"rate_max", "rad/s", 0, 1e6, "fastest gimbal, > 0: commands are limited to rotor_momentum rate_max"});
+    field(p.angles, Field{"angles", "rad", -1e6, 1e6, "of each gimbal at t = 0; absent: 0"});
+    field(p.angle_max, Field{"angle_max", "rad", 0, detail::infinite,
+                             "of the stops of each gimbal, on both sides; flight does not know of them; absent: none"});
   }
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gyrostat/core/signals.hpp"
+#include "gyrostat/flight/control_moment_gyros.hpp"
 #include "gyrostat/host/telemetry.hpp"
 #include "gyrostat/truth/plant.hpp"
 
@@ -22,13 +23,15 @@ struct ChannelInfo {
 
 /// How many of what a vehicle has: widths of channels.
 struct Counts {
-  int actuators = 0, modes = 0;
+  int actuators = 0, modes = 0, gimbals = 0;  ///< gimbals: actuators, where some of them have one
+  bool thrusters = false;
 };
 
 /// The true vehicle beside the nominal one; channels compare them.
 struct Vehicles {
   Vehicle<double> nominal;
   Mat3N<double> D_true_B{3, 0};
+  ControlMomentGyros<double> gyros;
   double dt = 0;
 };
 

@@ -51,7 +51,7 @@ RunEnd fly(Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stac
       if (stack.started() && !did.command) ++end.issued;
       end.time = plant.time();
       watcher.after(k, y, ref);
-      if (stack.last().status.has(Flag::singular)) {
+      if ((stack.demand().status | stack.estimate().status).has(Flag::singular)) {  // not of the gimbals
         const double pitch_deg = plant.euler().angles[1] * 57.295779513082320877;
         end.code = RunEnd::Code::singular;
         end.cause = "Euler angles are singular: pitch " + std::to_string(pitch_deg) +

@@ -49,6 +49,13 @@ HeldPlant::HeldPlant(PlantModel& model, const InitialState& initial, double dt, 
   detail::refuse_if(stored_.size() != n || !stored_.allFinite(),
                     "plant: h_w must be finite, with one element an actuator");
   stored_rest_ = state_.h_w = VecN<double>::Zero(n);
+  impulse_ = impulse_rest_ = impulse_before_ = burnt_per_impulse_ = VecN<double>::Zero(n);
+  const Thrusters& thrusters = actuators_.actuators().thrusters;
+  detail::refuse_if(thrusters.on_off() && std::abs(thrusters.period - dt) > 1e-12 * dt,
+                    "plant: the thrusters' period must be dt");
+  for (int i = 0; i < n; ++i) {
+    if (thrusters.has(i)) burnt_per_impulse_[i] = 1 / (thrusters[i].lever * thrusters[i].Isp * Thrusters::g0);
+  }
   held_.J_B_inverse = J_B_inverse_;
   inverse_inertia_ = J_B_inverse_.norm();
   if (const auto* cvode = std::get_if<Cvode>(&model.integrator)) {
@@ -82,8 +89,11 @@ void HeldPlant::advance_to(const VecN<double>& u, double t_end) {
   detail::refuse_if(u.size() != actuators_.size(), "plant: the command must have one element an actuator");
   detail::refuse_if(!(t_end >= t_), "plant: cannot go back in time");
   if (t_ >= piece_end_ - snap) enter_piece();  // before the command: a lock freezes what was delivered until now
-  actuators_.command(u);
+  actuators_.command(u, t_, t_end);
+  if (actuators_.has_valves()) enter_piece();
   commanded_ = true;
+  impulse_before_ = impulse_ + impulse_rest_;
+  interval_began_ = t_;
   if (restart_each_sample_) restart_ = true;
   steps_before_ = steps();
   while (t_ < t_end) {
@@ -98,6 +108,7 @@ void HeldPlant::advance_to(const VecN<double>& u, double t_end) {
     }
   }
   publish();
+  show_thrust();
   state_.t = t_;
   tick_ = static_cast<Tick>(std::floor((t_ + snap) / dt_));
 }
@@ -132,11 +143,21 @@ void HeldPlant::step_towards(double stop) {
   }
   length_ = t1 - t_;
   fit_delivered(t1);
+  const double dry = dry_time(t1);
+  if (dry <= t_) return actuators_.run_dry();
+  if (dry < t1) {
+    t1 = dry;
+    length_ = t1 - t_;
+    fit_delivered(t1);
+  }
+  if (stops_.any()) end_at_stops(t1);
   if (!cvode_ || restart_) absorb_outer_impulse();
   t1 = fly_piece(t1);
   statistics_.pieces += static_cast<std::uint64_t>(pieces_);
   take_up_storage((t1 - t_) / length_);
+  if (stops_.any()) snap_to_stops();
   t_ = t1;
+  if (t_ >= dry) actuators_.run_dry();
   if (!std::isfinite(y_[0] + y_[1] + y_[2] + y_[3] + y_[4] + y_[5] + y_[6])) throw NonFiniteState(t_);
 }
 
@@ -221,6 +242,63 @@ void HeldPlant::hold() noexcept {
   }
 }
 
+/// A channel at a stop delivers nothing outward. The piece ends where one reaches its stop or leaves it: of constant drives
+/// exactly, of others within 1e-12 s.
+void HeldPlant::end_at_stops(double& t1) noexcept {
+  constexpr int probes = 8;
+  const double shortest = 1e-12 + 1e-15 * t_;  // CVODE needs as much to start
+  stopped_ = {};
+  double end = 1;  // of the piece
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (!stops_.test(i)) continue;
+    const Cubic& drive = delivered_[static_cast<std::size_t>(i)];
+    const double P = stored(i);
+    const int side = P <= stop_lo_[i] ? -1 : P >= stop_up_[i] ? 1 : 0;  // P' = -drive
+    const bool rests = side != 0 && -side * drive[0] >= 0;
+    stopped_.set(i, rests);
+    const auto over = [&](double x) {
+      if (rests) return -side * value(drive, x) < 0;
+      const double p = stored(i, x);
+      return p < stop_lo_[i] || p > stop_up_[i];
+    };
+    if (!rests && actuators_.constant(i)) {
+      const double bound = drive[0] > 0 ? stop_lo_[i] : stop_up_[i];
+      if (over(end)) end = std::min(end, (P - bound) / (length_ * drive[0]));
+      continue;
+    }
+    double lo = 0;
+    for (int k = 1; k <= probes && lo < end; ++k) {
+      const double hi = static_cast<double>(k) / probes;
+      if (over(hi)) {
+        end = std::min(end, bisect(lo, hi, 1e-12 / length_, over));
+        break;
+      }
+      lo = hi;
+    }
+  }
+  if (end < 1) {
+    t1 = std::min(t1, t_ + std::max(end * length_, shortest));
+    length_ = t1 - t_;
+    fit_delivered(t1);
+  }
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (stopped_.test(i)) delivered_[static_cast<std::size_t>(i)] = {};
+  }
+}
+
+/// What a piece has brought to a stop, but for rounding, is there.
+void HeldPlant::snap_to_stops() noexcept {
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (!stops_.test(i)) continue;
+    const double P = stored(i), near = 1e-11 * (stop_up_[i] - stop_lo_[i]);
+    for (const double bound : {stop_lo_[i], stop_up_[i]}) {
+      if (std::abs(P - bound) > near) continue;
+      stored_[i] = bound;
+      stored_rest_[i] = 0;
+    }
+  }
+}
+
 /// Puts the impulse that leaves along fixed axes into the body's momentum and begins to count it anew, so that it stays small.
 /// Changes the state: only where the integrator has no history.
 void HeldPlant::absorb_outer_impulse() noexcept {
@@ -242,13 +320,51 @@ void HeldPlant::take_up_storage(double x) noexcept {
     stored_rest_[i] = change - (sum - stored_[i]);
     stored_[i] = sum;
   }
+  const Thrusters& thrusters = actuators_.actuators().thrusters;
+  for (int i = thrusters.first; thrusters.has(i); ++i) {
+    const double change = impulse_rest_[i] + length_ * integral(delivered_[static_cast<std::size_t>(i)], x);
+    const double sum = impulse_[i] + change;
+    impulse_rest_[i] = change - (sum - impulse_[i]);
+    impulse_[i] = sum;
+  }
+}
+
+/// When the propellant is used up on the piece to t1, whose drives are fitted: not after t_ when it is; infinity: later.
+double HeldPlant::dry_time(double t1) const noexcept {
+  const double mass = actuators_.actuators().thrusters.propellant_mass;
+  if (!std::isfinite(mass) || actuators_.dry()) return infinity;
+  const double left = mass - burnt_per_impulse_.dot(impulse_ + impulse_rest_);
+  Cubic burning{};
+  for (int i = 0; i < actuators_.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k)
+      burning[k] += burnt_per_impulse_[i] * delivered_[static_cast<std::size_t>(i)][k];
+  }
+  const auto burnt = [&](double x) { return length_ * integral(burning, x); };
+  const double rounding = 1e-15 * mass, shortest = 1e-12 + 1e-15 * t_;  // s, that CVODE can start on
+  if (left <= rounding) return t_;
+  if (burnt(1) < left) return infinity;
+  const double x = degree_ == 0 ? left / burnt(1) : bisect(0, 1, 1e-15, [&](double z) { return burnt(z) >= left; });
+  const double t = t_ + x * length_;
+  return t - t_ < shortest ? t_ : t1 - t < shortest ? t1 : t;
+}
+
+/// What thrusters did: since the start, and on average over the interval.
+void HeldPlant::show_thrust() noexcept {
+  const Thrusters& thrusters = actuators_.actuators().thrusters;
+  state_.propellant = 0;
+  state_.thruster_impulse_B.setZero();
+  for (int i = thrusters.first; thrusters.has(i); ++i) {
+    const double impulse = impulse_[i] + impulse_rest_[i];
+    state_.propellant += burnt_per_impulse_[i] * impulse;
+    state_.thruster_impulse_B += impulse / thrusters[i].lever * thrusters[i].direction_B;
+  }
 }
 
 // ---- integration --------------------------------------------------------------------------------------------------------
 
 InnerRates HeldPlant::inner_rates() const noexcept {
   Vec3<double> held{y_[4], y_[5], y_[6]};
-  if (outer_.any()) held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w);
+  if (outer_.any()) held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w) + turning_others_B_;
   const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
   return {std::sqrt(2 * (state_.omega_BN_B.squaredNorm() + precession2)), bending_rate_, friction_rate_};
 }
@@ -292,7 +408,12 @@ TruthSample HeldPlant::sampled() const {
     const Effect e = actuators_.effect(i, t_);
     s.effectiveness[i] = e.effectiveness;
     s.bias[i] = e.bias;
-    s.delivered[i] = actuators_.delivered(i, t_);
+    s.delivered[i] = delivered(i);
+  }
+  const Thrusters& thrusters = actuators_.actuators().thrusters;
+  for (int i = thrusters.first; thrusters.has(i) && t_ > interval_began_; ++i) {
+    s.delivered[i] = (impulse_[i] + impulse_rest_[i] - impulse_before_[i]) / (t_ - interval_began_);
+    s.thruster_force_B += s.delivered[i] / thrusters[i].lever * thrusters[i].direction_B;
   }
   s.external_B = external_.torque_B(t_, state_.q_NB, state_.omega_BN_B);
   return s;

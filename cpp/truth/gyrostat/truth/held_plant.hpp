@@ -74,6 +74,8 @@ class HeldPlant {
 
   /// The sample without acceleration; delivered without what bearings do.
   TruthSample sampled() const;
+  /// N m, now: what drive, faults, limits and stops leave.
+  double delivered(int i) const noexcept { return stopped_.test(i) ? 0.0 : actuators_.delivered(i, t_); }
   /// Polynomials of the piece, of what goes along fixed axes.
   void hold() noexcept;
   double rk4_steps(double length) const noexcept;
@@ -98,6 +100,8 @@ class HeldPlant {
   double bending_rate_ = 0;   ///< rad/s, of the quickest mode of an appendage
   double friction_rate_ = 0;  ///< 1/s, at which the quickest speed dies out in viscous friction
   bool looks_ahead_ = false;  ///< pieces are flown a step at a time
+  Vec3<double> turning_others_B_ =
+      Vec3<double>::Zero();  ///< N m s, beside body and wheels, that turns with the vehicle
   FaultyActuators actuators_;
   Disturbances external_;
   double dt_;
@@ -113,6 +117,9 @@ class HeldPlant {
   VecN<double> stored_rest_;  ///< what rounding kept out of stored_ (compensated summation)
   int degree_ = 0;
   std::array<Cubic, max_actuators> delivered_{};  ///< N m, in (t - t_) / length_, without viscous friction
+  Mask stops_;                                    ///< channels whose impulse has bounds,
+  VecN<double> stop_lo_, stop_up_;                ///< N m s: what drives it further outward is not delivered
+  Mask stopped_;                                  ///< of these, at one on the present piece
   Held held_;
   IntegratorStatistics statistics_;
 
@@ -126,8 +133,12 @@ class HeldPlant {
   double first_kink(double t1) const noexcept;
   void fit_delivered(double t1) noexcept;
   double least_steps(double length) const;
+  void end_at_stops(double& t1) noexcept;
+  void snap_to_stops() noexcept;
   void absorb_outer_impulse() noexcept;
   void take_up_storage(double x) noexcept;
+  double dry_time(double t1) const noexcept;
+  void show_thrust() noexcept;
 
   bool restart_each_sample_ = false;
   double pair_length_ = infinity;  ///< s, of its next step
@@ -137,6 +148,12 @@ class HeldPlant {
   bool restart_ = true;             ///< the right-hand side jumped
   std::uint64_t steps_before_ = 0;  ///< when the sample began
   double pieces_ = 0;               ///< what it counts for in the statistics
+
+  // Of thrusters:
+  VecN<double> impulse_, impulse_rest_;  ///< N m s, delivered so far, with what rounding keeps out of it
+  VecN<double> impulse_before_;          ///< when the interval began,
+  double interval_began_ = 0;            ///< s, at this time
+  VecN<double> burnt_per_impulse_;       ///< kg/(N m s)
 };
 
 template <int capacity, auto derivative, bool unit_quaternion, class Context>

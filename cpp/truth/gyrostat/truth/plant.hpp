@@ -8,6 +8,7 @@
 
 #include "gyrostat/truth/actuators.hpp"
 #include "gyrostat/truth/disturbances.hpp"
+#include "gyrostat/truth/effectors/control_moment_gyro.hpp"
 #include "gyrostat/truth/effectors/flexible_mode.hpp"
 #include "gyrostat/truth/integrator.hpp"
 #include "gyrostat/truth/sensors.hpp"
@@ -21,7 +22,8 @@ struct PlantModel {
   Mat3N<double> D_B{3, 0};  ///< actuator axes in columns
   Actuators actuators = Actuators::ideal(0);
   std::vector<Fault> faults;
-  std::vector<FlexibleMode> modes;  ///< of appendages
+  std::vector<FlexibleMode> modes;       ///< of appendages
+  std::vector<ControlMomentGyro> gyros;  ///< each drives its channel; their slow_downs come from the faults
   std::vector<Disturbance> disturbances;
   double orbit_rate = 0;  ///< rad/s, for gravity_gradient and the Euler-angle model
   Integrator integrator;
@@ -41,17 +43,21 @@ struct TruthState {
   Vec3<double> omega_BN_B = Vec3<double>::Zero();  ///< rad/s
   VecN<double> h_w;                                ///< N m s
   VecN<double> eta, eta_rate;                      ///< kg^1/2 m, kg^1/2 m/s, of the modes of appendages
+  VecN<double> gimbal, rotor_momentum;             ///< rad, N m s, one an actuator; empty without control moment gyros
+  double propellant = 0;                           ///< kg, that thrusters have used
+  Vec3<double> thruster_impulse_B = Vec3<double>::Zero();  ///< N s, integral of their force in body axes
   Vec3<double> angles = Vec3<double>::Zero();  ///< rad, roll, pitch, yaw of a plant whose states they are; else zero
 };
 
 /// The truth at one time, one-sided: faults and command are those of the interval that just ended. Before the first
-/// one nothing is commanded or delivered.
+/// one nothing is commanded or delivered. Of thrusters, what was delivered is the mean over the interval.
 struct TruthSample : TruthState {
   Vec3<double> omegadot_BN_B = Vec3<double>::Zero();  ///< rad/s^2
   VecN<double> delivered;      ///< N m on the body along each axis, limits and friction included: h_w' = -delivered
   VecN<double> effectiveness;  ///< of the faults
   VecN<double> bias;           ///< N m, of the faults
-  Vec3<double> external_B = Vec3<double>::Zero();  ///< N m
+  Vec3<double> external_B = Vec3<double>::Zero();        ///< N m
+  Vec3<double> thruster_force_B = Vec3<double>::Zero();  ///< N, mean over the interval
 };
 
 /// How quickly the truth's own motion goes on, beside what drives it.

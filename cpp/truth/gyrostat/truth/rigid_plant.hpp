@@ -17,7 +17,9 @@ class RigidPlantOf final : public HeldPlant {
       : RigidPlantOf(all_effectors(model, std::move(others)), model, initial, dt) {}
 
   Measurement<double> measure(Sensors& sensors) const {
-    return sensors.measure(tick(), state_.q_NB, state_.omega_BN_B, state_.h_w);
+    Measurement<double> y = sensors.measure(tick(), state_.q_NB, state_.omega_BN_B, state_.h_w);
+    y.gimbal = state_.gimbal;
+    return y;
   }
   TruthSample sample() const;
   EulerState<double> euler() const noexcept;
@@ -37,9 +39,10 @@ class RigidPlantOf final : public HeldPlant {
   };
 
   RigidPlantOf(List effectors, PlantModel& model, const InitialState& initial, double dt);
-  static List all_effectors(const PlantModel& model, List others);
+  static List all_effectors(PlantModel& model, List others);
   static Mat3<double> total_inertia(const Mat3<double>& J_B, const List& effectors);
   void list_effectors();
+  void set_up_gimbals(const std::vector<ControlMomentGyro>& gyros);
   void look_at_modes();
 
   double fly_piece(double t1) override;
@@ -79,7 +82,7 @@ class RigidPlantOf final : public HeldPlant {
     double impulse = 0, torque = 0;  ///< P, and the drive of its channel
   };
   auto driven_now() const noexcept {
-    return [this](int i) { return Driven{stored(i), actuators_.delivered(i, t_)}; };
+    return [this](int i) { return Driven{stored(i), delivered(i)}; };
   }
   auto driven_at(double x) const noexcept {
     return [this, x](int i) { return Driven{stored(i, x), value(delivered_[static_cast<std::size_t>(i)], x)}; };

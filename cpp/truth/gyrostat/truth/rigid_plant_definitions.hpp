@@ -46,13 +46,43 @@ inline void refuse_quick_bearings(const std::vector<FrictionWheel>& wheels, doub
                               text(dt / InnerRates::most_in_a_sample) + " s, can be integrated");
 }
 
+/// Each with those of the faults that slow its rotor down. A fault of which nothing is left ends when the rotor is at rest.
+inline std::vector<ControlMomentGyro> with_slow_downs(std::vector<ControlMomentGyro> gyros,
+                                                      std::vector<Fault>& faults) {
+  std::vector<bool> taken(faults.size(), false);
+  for (ControlMomentGyro& gyro : gyros) {
+    std::vector<RotorSlowDown*> own;
+    for (std::size_t k = 0; k < faults.size(); ++k) {
+      auto* fault = std::get_if<RotorSlowDown>(&faults[k]);
+      if (fault == nullptr || fault->window.actuator != gyro.channel) continue;
+      own.push_back(fault);
+      gyro.slow_downs.push_back(*fault);
+      taken[k] = true;
+    }
+    const double rest = gyro.rest_time(gyro.slow_downs);
+    gyro.slow_downs.clear();
+    for (RotorSlowDown* fault : own) {
+      if (!(fault->window.t_on < rest)) continue;
+      fault->window.t_off = std::min(fault->window.t_off, rest);
+      gyro.slow_downs.push_back(*fault);
+    }
+  }
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    const auto* fault = std::get_if<RotorSlowDown>(&faults[k]);
+    if (fault == nullptr || taken[k]) continue;
+    throw std::invalid_argument("fault rotor_slow_down: actuator " + std::to_string(fault->window.actuator) +
+                                " is no control moment gyro");
+  }
+  return gyros;
+}
+
 }  // namespace detail
 
 // ---- effectors ------------------------------------------------------------------------------------------------------
 
 /// Those that are given, and a wheel or torquer for each channel that none of them takes.
 template <class List>
-List RigidPlantOf<List>::all_effectors(const PlantModel& model, List others) {
+List RigidPlantOf<List>::all_effectors(PlantModel& model, List others) {
   const Actuators& a = model.actuators;
   if (const std::string error = a.check(); !error.empty()) throw std::invalid_argument(error);
   detail::refuse_if(model.D_B.cols() < a.size(), "body: D_B must have one column an actuator");
@@ -60,6 +90,12 @@ List RigidPlantOf<List>::all_effectors(const PlantModel& model, List others) {
     for (const FlexibleMode& mode : model.modes) others.add(mode);
   } else {
     detail::refuse_if(!model.modes.empty(), "plant: appendages need effectors that bend");
+  }
+  const std::vector<ControlMomentGyro> gyros = detail::with_slow_downs(model.gyros, model.faults);
+  if constexpr (List::template has<ControlMomentGyro>) {
+    for (const ControlMomentGyro& gyro : gyros) others.add(gyro);
+  } else {
+    detail::refuse_if(!gyros.empty(), "plant: control moment gyros need effectors that are some");
   }
   Mask taken;
   others.each([&](const auto& e) {
@@ -103,6 +139,7 @@ RigidPlantOf<List>::RigidPlantOf(List effectors, PlantModel& model, const Initia
   const double norm = initial.q_NB.norm();
   detail::refuse_if(!(norm > 0) || !std::isfinite(norm), "plant: the initial quaternion must be finite and not zero");
   list_effectors();
+  if (!model.gyros.empty()) set_up_gimbals(model.gyros);
   for (int i = 0; i < actuators_.size(); ++i) {
     detail::refuse_if(!is_wheel(i) && stored_[i] != 0, "plant: h_w of an ideal torquer must be zero");
     detail::refuse_if(is_wheel(i) && std::abs(stored_[i]) > wheel(i).momentum_max,
@@ -119,6 +156,22 @@ RigidPlantOf<List>::RigidPlantOf(List effectors, PlantModel& model, const Initia
   if (others_fly()) H_B += others(scene, y_, driven_now()).momentum_B;
   std::copy_n(std::array{q.w(), q.x(), q.y(), q.z(), H_B[0], H_B[1], H_B[2]}.begin(), rigid_states, y_.begin());
   begin(initial.omega_BN_B);
+}
+
+/// Stops of gimbals are bounds of the impulse: the angle is a linear function of it.
+template <class List>
+void RigidPlantOf<List>::set_up_gimbals(const std::vector<ControlMomentGyro>& gyros) {
+  const int n = actuators_.size();
+  state_.gimbal = state_.rotor_momentum = VecN<double>::Zero(n);
+  stop_up_ = VecN<double>::Constant(n, infinity);
+  stop_lo_ = -stop_up_;
+  for (const ControlMomentGyro& gyro : gyros) {
+    detail::refuse_if(std::abs(gyro.angle) > gyro.angle_max, "plant: a gimbal starts beyond its stop");
+    if (gyro.angle_max == infinity) continue;
+    stops_.set(gyro.channel);
+    stop_lo_[gyro.channel] = gyro.rotor_momentum * (gyro.angle - gyro.angle_max);
+    stop_up_[gyro.channel] = gyro.rotor_momentum * (gyro.angle + gyro.angle_max);
+  }
 }
 
 /// Which channels are what, and where the states of friction wheels are.
@@ -278,7 +331,11 @@ void RigidPlantOf<List>::publish() {
     if (along_.test(i)) Jw -= h * D_B_.col(i);
     if (is_wheel(i)) state_.h_w[i] = h;
   }
-  if (others_fly()) Jw -= others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now()).momentum_B;
+  if (others_fly()) {
+    const Others more = others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now());
+    Jw -= more.momentum_B;
+    turning_others_B_ = more.turning_B;
+  }
   state_.omega_BN_B = held_.J_B_inverse * Jw;
   if (others_fly()) show_others();
   if (!standing_.any()) return;
@@ -295,7 +352,9 @@ void RigidPlantOf<List>::show_others() {
   state_.eta.resize(0);
   state_.eta_rate.resize(0);
   effectors_.each_coupled([&]<class E>(const E& e) {
-    if constexpr (requires { e.show(scene, inner, state_); }) e.show(scene, inner, state_);
+    if constexpr (requires { e.show(scene, 0.0, inner, state_); }) {
+      e.show(scene, e.channel < 0 ? 0.0 : stored(e.channel), inner, state_);
+    }
     inner += E::states;
   });
 }
@@ -324,6 +383,12 @@ TruthSample RigidPlantOf<List>::sample() const {
       s.delivered[i] += friction(i, wheel(i).speed(state_.h_w[i], state_.omega_BN_B));
     }
   }
+  effectors_.each([&]<class E>(const E& e) {  // of a gyro's, what its rotor still holds
+    if constexpr (std::same_as<E, ControlMomentGyro>) {
+      const double share = e.momentum(t_) / e.rotor_momentum;
+      for (VecN<double>* v : {&s.delivered, &s.effectiveness, &s.bias}) (*v)[e.channel] *= share;
+    }
+  });
   Vec3<double> rotating = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w),
                along = torque<double>(D_B_, s.delivered);
   if (others_fly()) {

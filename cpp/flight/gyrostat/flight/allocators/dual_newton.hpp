@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "gyrostat/flight/allocators/branch_free.hpp"
 #include "gyrostat/flight/allocators/ldl.hpp"
 #include "gyrostat/flight/allocators/orthogonal_factor.hpp"
 
@@ -100,7 +101,7 @@ class DualNewton {
       for (int r = 0; r < M; ++r) along += a[k][r] * p.y[r];
       const bool still = (fixed >> i & 1u) != 0u;
       const S z = still ? lo[k] : preferred[k] + along * compliance[k];
-      inside &= still | ((z > lo[k]) & (z < up[k]));
+      inside &= some(still, every(z > lo[k], z < up[k]));
       p.z[k] = z;
       p.F += z * a[k];
     }

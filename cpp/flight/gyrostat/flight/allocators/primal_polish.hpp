@@ -177,7 +177,7 @@ Polished<S, M, N> polish(const DualNewton<S, M, N>& k, S soft, unsigned held = 0
   using Torque = Eigen::Matrix<S, M, 1>;
   Polished<S, M, N> out;
   Torque owed = k.b;
-  Eigen::Matrix<S, N, M> rows;
+  Eigen::Matrix<S, N, M> rows = Eigen::Matrix<S, N, M>::Zero();
   std::array<S, N> root;
   for (int i = 0; i < k.n; ++i) {
     const std::size_t j = std::size_t(i);
