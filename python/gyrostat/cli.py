@@ -210,7 +210,7 @@ def new(
         raise InputError(f"{file}: a scenario's file ends in .toml")
     if vehicle is not None and like is not None:
         raise InputError("--vehicle and --like: give one of them")
-    vehicle = vehicle or "ftc_4rw"
+    vehicle = first_scenario.vehicle_called(vehicle or "ftc_4rw")
     text = first_scenario.first_scenario(vehicle) if like is None else first_scenario.like(like)
     if os.path.lexists(file):
         raise InputError(f"{file}: is there already, and is left as it is")

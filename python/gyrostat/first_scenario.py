@@ -80,28 +80,34 @@ def like(name: str) -> str:
     return f"# As {name}. What else there is: gyrostat list; every parameter: gyrostat describe FAMILY NAME\n{text}"
 
 
+def vehicle_called(name: str) -> str:
+    """One of `vehicles` by its name, or by how that begins.
+
+    Raises
+    ------
+    InputError
+        There is none, or several begin so.
+    """
+    known = vehicles()
+    found = [name] if name in known else [k for k in known if name and k.startswith(name)]
+    if len(found) != 1:
+        more = f": {', '.join(found)}" if found else suggestion(name, known)
+        raise InputError(f"{'several vehicles' if found else 'no vehicle'} '{name}'{more}")
+    return found[0]
+
+
 def first_scenario(vehicle: str = "ftc_4rw") -> str:
     """The text of a scenario file that flies.
 
     Parameters
     ----------
     vehicle
-        One of `vehicles`, or how the name of one begins. With other actuators than wheels its scenario as shipped.
-
-    Raises
-    ------
-    InputError
-        There is no such vehicle, or several begin so.
+        As `vehicle_called` takes it. With other actuators than wheels its scenario as shipped.
     """
-    known = vehicles()
-    found = [vehicle] if vehicle in known else [name for name in known if vehicle and name.startswith(vehicle)]
-    if len(found) != 1:
-        more = f": {', '.join(found)}" if found else suggestion(vehicle, known)
-        raise InputError(f"{'several vehicles' if found else 'no vehicle'} '{vehicle}'{more}")
-    (vehicle,) = found
-    if not has_wheels_alone(known[vehicle]):
+    vehicle = vehicle_called(vehicle)
+    if not has_wheels_alone(vehicles()[vehicle]):
         return like(vehicle)
-    given = known[vehicle].to_dict()
+    given = vehicles()[vehicle].to_dict()
     most = float(np.max(np.asarray(given["vehicle"]["u_max"])))
     tables: dict[str, Any] = {"vehicle": given["vehicle"]}
     tables |= {"flexible": given["flexible"]} if "flexible" in given else {}
@@ -125,4 +131,4 @@ def first_scenario(vehicle: str = "ftc_4rw") -> str:
     return "\n".join(parts)
 
 
-__all__ = ["first_scenario", "has_wheels_alone", "like", "vehicles"]
+__all__ = ["first_scenario", "has_wheels_alone", "like", "vehicle_called", "vehicles"]
