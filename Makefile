@@ -14,7 +14,7 @@ FOR_RUN = $(shell scripts/find_python --packages) g++ cmake ninja-build ccache l
 FOR_TEST := libgtest-dev libgmock-dev chromium chromium-driver
 FOR_EMBEDDED := gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
 CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.hpp' -o -name '*.cpp')
-PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
+PACKAGE := CMakeLists.txt pyproject.toml docs/package.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
 .PHONY: help run test cpp headers asan asan-python python lint bench wheel release-check matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \

@@ -131,6 +131,8 @@ void bind_signals(py::module_& m) {
   def_per_actuator(vehicle, "u_gap", &Vehicle<double>::u_gap,
                    "(n,) N m, smallest distance from u_up that they keep; what is nearer is u_up");
   def_mask(vehicle, "spare", &Vehicle<double>::spare, "actuators that are off until a detector enables them");
+  def_mask(vehicle, "magnetorquers", &Vehicle<double>::magnetorquers,
+           "actuators that are a dipole (A m^2); their D_B is zero but in the axes of a sample");
   def_mask(vehicle, "wheels", &Vehicle<double>::wheels, "actuators that store momentum");
   vehicle.def_readonly("orbit_rate", &Vehicle<double>::orbit_rate, "rad/s");
   vehicle.def_readonly("moving_axes", &Vehicle<double>::moving_axes, "D_B is where they start; signals have `axes`");
@@ -153,6 +155,13 @@ void bind_signals(py::module_& m) {
   def_per_actuator(y, "h_w", &Measurement<double>::h_w, "(n,) N m s");
   def_per_actuator(y, "gimbal", &Measurement<double>::gimbal, "(n,) rad; (0,) without control moment gyros");
   y.def_readonly("euler", &Measurement<double>::euler);
+  def_vector(y, "field_B", &Measurement<double>::field_B, "(3,) T, magnetic field");
+  y.def_readwrite("field_valid", &Measurement<double>::field_valid, "False: field_B was not measured at this sample");
+  def_vector(y, "field_N", &Measurement<double>::field_N,
+             "(3,) T, the field as flight's model has it; zero: not known");
+  def_vector(y, "sun_B", &Measurement<double>::sun_B, "(3,) unit, direction to the sun");
+  y.def_readwrite("sun_valid", &Measurement<double>::sun_valid, "False: sun_B was not measured at this sample");
+  def_vector(y, "sun_N", &Measurement<double>::sun_N, "(3,) unit, the sun as the almanac has it; zero: not known");
   y.def_readwrite("attitude_valid", &Measurement<double>::attitude_valid,
                   "False: q_NB was not measured at this sample but carried on by the model");
   y.def_readwrite("rate_valid", &Measurement<double>::rate_valid,
@@ -185,6 +194,7 @@ void bind_signals(py::module_& m) {
                    "(n,) relative half-width; inf: never excited");
   def_vector(x, "d_B", &Estimate<double>::d_B, "(3,) N m, what effectiveness does not explain");
   x.def_readonly("axes", &Estimate<double>::axes);
+  def_vector(x, "field_B", &Estimate<double>::field_B, "(3,) T, magnetic field of the measurement");
   x.def_readonly("momentum_valid", &Estimate<double>::momentum_valid,
                  "False: h_w was not measured at this sample; the stack sets it");
   x.def_readonly("event", &Estimate<double>::event, "of the measurement: counts jumps that no motion explains");

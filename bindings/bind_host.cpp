@@ -340,6 +340,9 @@ void bind_host(py::module_& m) {
       .def(
           "free_frequencies", [](const Compiled& c) { return host::free_frequencies(c.assembly); },
           "rad/s, ascending, of the modes of its appendages on the body that is free to turn.")
+      .def(
+          "orbit_rate", [](const Compiled& c) { return c.assembly.setup.vehicle.orbit_rate; },
+          "rad/s, of its orbit; 0 without one.")
       .def("inner_rates", &inner_rates,
            "Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.")
       .def("channel_names", &channel_names, "components"_a = py::dict(), "Channels that a run of this scenario offers.")

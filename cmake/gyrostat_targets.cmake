@@ -25,7 +25,7 @@ endif()
 # -ffp-contract=off: the same bits whether or not the machine has fused multiply-add.
 # Hardened: stack protector everywhere, checked calls of the C library where they are optimised and no sanitizer looks.
 function(gyrostat_flags target)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -ffp-contract=off -fstack-protector-strong)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow -ffp-contract=off -fstack-protector-strong)
   if(NOT GYROSTAT_SANITIZE)
     target_compile_options(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
   endif()
@@ -44,6 +44,7 @@ function(gyrostat_layer name)
     set(scope PUBLIC)
     add_library(${target} STATIC ${arg_SOURCES})
     gyrostat_flags(${target})
+    target_compile_options(${target} PRIVATE -Wsign-conversion)  # as flags of a user may ask of our headers; -Wpedantic would lose the precompiled one
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # the Python module links them
     gyrostat_precompile(${target})
   else()

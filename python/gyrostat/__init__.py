@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from gyrostat.scenario import Record, Scenario, Shadow
     from gyrostat.stacks import recommended
     from gyrostat.survival import survive
-    from gyrostat.vehicle import ControlMomentGyros, Flexible, Initial, Thrusters, Truth, Vehicle
+    from gyrostat.vehicle import ControlMomentGyros, Desaturation, Flexible, Initial, Orbit, Thrusters, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
     from gyrostat.verification.requirements import verify
 
@@ -63,6 +63,7 @@ __all__ = [
     "Component",
     "ControlMomentGyros",
     "Demand",
+    "Desaturation",
     "Detection",
     "Estimate",
     "Event",
@@ -72,6 +73,7 @@ __all__ = [
     "Initial",
     "InputError",
     "Measurement",
+    "Orbit",
     "Record",
     "Reference",
     "Result",
@@ -137,7 +139,7 @@ _homes = {
     "scenario": ["Record", "Scenario", "Shadow"],
     "survival": ["survive"],
     "stacks": ["recommended"],
-    "vehicle": ["ControlMomentGyros", "Flexible", "Initial", "Thrusters", "Truth", "Vehicle"],
+    "vehicle": ["ControlMomentGyros", "Desaturation", "Flexible", "Initial", "Orbit", "Thrusters", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],
 }

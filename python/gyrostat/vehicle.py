@@ -6,6 +6,7 @@ A key that is not given keeps the default of the C++ description; ``gyrostat des
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
@@ -37,6 +38,8 @@ class Vehicle(Block):
     momentum_max
         Momentum at which a wheel gives no more, N m s, as flight knows it: a number or one an actuator. Truth has it
         too unless it states its own.
+    magnetorquers
+        Actuators that are a dipole along their column of ``D_B``; their commands and limits are in A m^2.
     spare
         Actuators that stay off until a detector enables them.
     orbit_rate
@@ -52,6 +55,7 @@ class Vehicle(Block):
     u_rate: Leaf[float | Vector | None] = None
     wheel_inertia: Leaf[float | Vector | None] = None
     momentum_max: Leaf[float | Vector | None] = None
+    magnetorquers: Leaf[tuple[int, ...] | list[int] | None] = None
     spare: Leaf[tuple[int, ...] | list[int] | None] = None
     orbit_rate: Leaf[float | None] = None
     coordinates: Leaf[Literal["body", "euler_angles"] | None] = None
@@ -236,9 +240,14 @@ def all_actuators(tables: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     tables
-        ``vehicle``, and ``cmg`` and ``thrusters`` where there are such; gyros act along their axes at the start.
+        ``vehicle``, and ``cmg`` and ``thrusters`` where there are such. Gyros act along their axes at the start; the
+        axis of a magnetorquer, whose torque the field decides, is zero.
     """
     vehicle = dict(standing(tables)["vehicle"])
+    if vehicle.get("magnetorquers"):
+        axes = np.array(vehicle["D_B"], dtype=float)
+        axes[:, list(vehicle["magnetorquers"])] = 0.0
+        vehicle["D_B"] = axes.tolist()
     given = tables.get("thrusters")
     if not given:
         return vehicle
@@ -264,6 +273,63 @@ def all_actuators(tables: Mapping[str, Any]) -> dict[str, Any]:
         "wheel_inertia": all_of("wheel_inertia", 0.0, 0.0),
         "momentum_max": all_of("momentum_max", np.inf, np.inf),
     }
+
+
+class Orbit(Block):
+    """An orbit round the Earth: N is then the equatorial frame, z to the north pole and x to the equinox.
+
+    Angles in rad, at t = 0.
+
+    Parameters
+    ----------
+    semi_major_axis
+        m, from the centre of the Earth.
+    inclination
+        To the equator.
+    raan
+        Right ascension of the ascending node.
+    argument_of_latitude
+        From the ascending node to the vehicle.
+    eccentricity
+        0, a circle, to 0.9.
+    perigee
+        From the ascending node to the perigee.
+    earth_angle
+        From ``x_N`` to the meridian of Greenwich.
+    sun_longitude
+        Of the sun in the ecliptic, from the equinox.
+    sun_N
+        Direction of the sun, instead of ``sun_longitude``.
+    """
+
+    semi_major_axis: Leaf[float]
+    inclination: Leaf[float]
+    raan: Leaf[float | None] = None
+    argument_of_latitude: Leaf[float | None] = None
+    eccentricity: Leaf[float | None] = None
+    perigee: Leaf[float | None] = None
+    earth_angle: Leaf[float | None] = None
+    sun_longitude: Leaf[float | None] = None
+    sun_N: Leaf[Vector | None] = None
+
+
+class Desaturation(Block):
+    """What flight does about momentum, with its magnetorquers.
+
+    Parameters
+    ----------
+    gain
+        Of the cross-product law, in units of the orbit's rate; 2 when not given.
+    momentum
+        ``wheels``, whose momentum is taken off without moving the attitude, or ``total``, that of the vehicle, which
+        comes to rest.
+    keep_B
+        Momentum that is left, N m s in body axes.
+    """
+
+    gain: Leaf[float | None] = None
+    momentum: Leaf[Literal["wheels", "total"] | None] = None
+    keep_B: Leaf[Vector | None] = None
 
 
 class Initial(Block):
@@ -364,3 +430,18 @@ def cmg4(
     spin = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
     gyros = ControlMomentGyros(gimbal_axes=gimbal, spin_axes=spin, rotor_momentum=rotor_momentum, rate_max=rate_max)
     return Vehicle(J_B=J_B), gyros
+
+
+def cubesat_6u() -> Vehicle:
+    """A 6U CubeSat: four wheels of 2 mN m and 30 mN m s on a pyramid, three magnetorquers of 0.4 A m^2 on the axes.
+
+    It flies on an orbit, whose field the magnetorquers need.
+    """
+    return Vehicle(
+        J_B=(0.13, 0.10, 0.05),
+        D_B=np.column_stack([np.array(PYRAMID4) / np.sqrt(3.0), np.eye(3)]),
+        u_max=(2e-3, 2e-3, 2e-3, 2e-3, 0.4, 0.4, 0.4),
+        wheel_inertia=(3e-5, 3e-5, 3e-5, 3e-5, 0.0, 0.0, 0.0),
+        momentum_max=(0.03, 0.03, 0.03, 0.03, math.inf, math.inf, math.inf),
+        magnetorquers=(4, 5, 6),
+    )

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -64,6 +65,11 @@ def test_the_package_carries_the_notices_of_what_is_compiled_in() -> None:
         assert text == (ROOT / name).read_text(encoding="utf-8")
 
 
+def test_what_an_index_shows_of_it_stands_alone() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert not re.search(r"!\[|\]\((?!https?:)", (ROOT / project["readme"]).read_text(encoding="utf-8"))
+
+
 def test_the_source_distribution_carries_them_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from scikit_build_core.build import build_sdist
 
@@ -75,7 +81,7 @@ def test_the_source_distribution_carries_them_too(tmp_path: Path, monkeypatch: p
     with tarfile.open(tmp_path / build_sdist(str(tmp_path))) as packed:
         names = {name.partition("/")[2] for name in packed.getnames()}
     assert {"LICENSE", *(f"licenses/{x}.txt" for x in ("sundials", "eigen", "random123", "pybind11"))} <= names
-    assert {"CMakeLists.txt", "pyproject.toml", "cpp/flight/gyrostat/flight/stack.hpp"} <= names
+    assert {"CMakeLists.txt", "pyproject.toml", "docs/package.md", "cpp/flight/gyrostat/flight/stack.hpp"} <= names
 
 
 def test_the_module_is_hardened() -> None:

@@ -118,12 +118,14 @@ def quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: floa
     true = D + (np.asarray(given["dD_B"], dtype=float) if "dD_B" in given else 0.0)
     share = np.broadcast_to(np.asarray(effectiveness, dtype=float), D.shape[1])
     truth = {"dD_B": (true * share - D).tolist()} | ({"dJ_B": given["dJ_B"]} if "dJ_B" in given else {})
-    delays = [Component.of(s.type, {"delay": s.params["delay"]}) for s in scenario.sensors if s.params.get("delay")]
+    sensors = [s for s in scenario.sensors if isinstance(s, Component)]
+    delays = [Component.of(s.type, {"delay": s.params["delay"]}) for s in sensors if s.params.get("delay")]
     return {
         "truth": truth,
         "initial": {"mrp": (math.tan(size / 4.0) * _axis).tolist()},
         "reference": None,
         "integrator": "rk4" if scenario.flexible is None else "cvode",
+        "desaturation": None,
         "faults": [],
         "disturbances": [],
         "sensors": delays,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gyrostat import _core
 from gyrostat.export.folder import copy_headers, filled
-from gyrostat.export.model import FlightCode, Parameter, literal
+from gyrostat.export.model import SKY, FlightCode, Parameter, literal
 from gyrostat.export.places import comment, markdown
 from gyrostat.export.recording import write_recording
 
@@ -49,10 +49,41 @@ def names(code: FlightCode) -> dict[str, object]:
         "dt": literal(code.dt),
         "duration": f"{(len(code.rows) - 1) * code.dt:g}",
         "samples": len(code.rows),
+        **_sky(code),
         "stack": ", ".join(c.name for c in code.components),
         **_gimbals(code),
         "bytes": -(-code.bytes[code.scalar] * 3 // 2 // 64) * 64 + 128,
     }
+
+
+_sky_signals = ("field_B", "field_N", "sun_B", "sun_N")
+_sky_bits = ("field_valid", "sun_valid")
+
+
+def _sky(code: FlightCode) -> dict[str, str]:
+    """Of sun and field: members of a measurement in C and C++, and how a recorded row or an FMU's inputs fill them."""
+    keys = ("sky_in_c", "sky_in_cpp", "sky_of_row", "sky_of_inputs")
+    if not code.sees_the_sky:
+        return dict.fromkeys(keys, "")
+    in_c = f"""
+  /* Sun (unit) and magnetic field (T), in body axes as measured and in N as an almanac and a model have them. A _valid
+     that is 0: not measured at this sample. */
+  {code.name}_real field_B[3], field_N[3], sun_B[3], sun_N[3];
+  uint8_t field_valid, sun_valid;"""
+    in_cpp = "\n  double field_B[3], field_N[3], sun_B[3], sun_N[3];\n  bool field_valid, sun_valid;"
+    of_row = [f"take_recorded(d.row, measurement_{s}, y.{s}, 3);" for s in _sky_signals]
+    of_row += [f"y.{bit} = d.row[measurement_{bit}] != 0.0;" for bit in _sky_bits]
+    of_inputs = [
+        f"y.{name} = in.one() != 0.0;" if name in _sky_bits else f"in(y.{name});"
+        for name in (signal.split(".")[1] for signal in SKY)
+    ]
+    filled_in = (
+        in_c,
+        in_cpp,
+        "".join(f"\n    {line}" for line in of_row),
+        "".join(f"\n  {line}" for line in of_inputs),
+    )
+    return dict(zip(keys, filled_in, strict=True))
 
 
 def _parts(code: FlightCode) -> dict[str, object]:

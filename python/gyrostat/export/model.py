@@ -33,6 +33,16 @@ INPUTS = (
 )
 GIMBALS = ("measurement.gimbal",)
 """Input of a stack that steers control moment gyros, beside the others."""
+SKY = (
+    "measurement.field_B",
+    "measurement.field_N",
+    "measurement.field_valid",
+    "measurement.sun_B",
+    "measurement.sun_N",
+    "measurement.sun_valid",
+)
+"""Inputs more, of a stack that flies on an orbit."""
+
 OUTPUTS = (
     "allocation.u",
     "allocation.achieved_B",
@@ -122,6 +132,11 @@ class FlightCode:
     def actuators(self) -> int:
         """How many the vehicle has."""
         return len(self.vehicle["u_up"])
+
+    @property
+    def sees_the_sky(self) -> bool:
+        """Whether sun and field are among its inputs."""
+        return SKY[0] in self.columns
 
     def column(self, signal: str) -> NDArray[np.float64]:
         """The recorded rows of one signal, shape (samples, width)."""
@@ -218,7 +233,9 @@ def _recorded(scenario: Scenario, samples: int) -> tuple[dict[str, int], NDArray
     if 0 < samples <= intervals:
         intervals = samples - 1
     flown = scenario.replace(record=None, duration=intervals * scenario.dt)
-    signals = (*INPUTS, *(GIMBALS if scenario.cmg is not None else ()), *OUTPUTS)
+    gimbals = GIMBALS if scenario.cmg is not None else ()
+    sky = SKY if scenario.orbit is not None else ()
+    signals = (*INPUTS, *gimbals, *sky, *OUTPUTS)
     result = flown.run(channels=list(signals))
     blocks = {name: result.channels[name].reshape(len(result), -1) for name in signals}
     return {name: block.shape[1] for name, block in blocks.items()}, np.hstack(list(blocks.values()))

@@ -138,6 +138,7 @@ TEST(SingularityRobust, LockedGimbalsThatAreKnownTakeNoCommand) {
   x.effectiveness[1] = 0.01;  // below e_min
   Demand<double> demand;
   demand.tau_B = {1, 0.5, -0.3};
+  demand.u_pref = angles(0.0, 1.0, 1.0, 0.0);
   auto robust = by_default<SingularityRobust<double>>(setup);
   const auto out = robust.step(demand, x, det);
   EXPECT_EQ(out.u[1], 0);
@@ -147,6 +148,19 @@ TEST(SingularityRobust, LockedGimbalsThatAreKnownTakeNoCommand) {
   x.effectiveness[1] = 1;
   const auto three = robust.step(demand, x, det);
   EXPECT_LT((three.achieved_B - demand.tau_B).norm(), 1e-3);
+}
+
+/// D u is what the rotors lose while gimbals turn at u / h.
+TEST(ControlMomentGyros, ATorqueIsWhatTheStoredMomentumLoses) {
+  const auto setup = agile<double>();
+  const ControlMomentGyros<double> geometry = gyros<double>();
+  const VecN<double> h_w = angles(0.1, -0.2, 0.3, 0.4), u = angles(3.0, -2.0, 1.0, 0.5);
+  const VecN<double> at = angles(0.3, -0.5, 1.1, 2.0), step = 1e-4 * u / 20;
+  const Vec3<double> gone =
+      geometry.at(setup.vehicle, at - step, h_w).h_B - geometry.at(setup.vehicle, at + step, h_w).h_B;
+  EXPECT_LT((torque<double>(geometry.at(setup.vehicle, at, h_w).D_B, u) - gone / 2e-4).norm(), 1e-8);
+  const Vec3<double> wheels = geometry.at(setup.vehicle, at, h_w).h_B - geometry.at(setup.vehicle, at, 0 * h_w).h_B;
+  EXPECT_LT((wheels - torque<double>(setup.vehicle.D_B, h_w)).norm(), 1e-14);
 }
 
 TEST(ControlMomentGyros, AnglesThatCannotBeLeaveTheAxesWhereTheyWere) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gyrostat/core/params.hpp"
+#include "gyrostat/flight/desaturation.hpp"
 
 namespace gyrostat::host {
 
@@ -20,7 +21,7 @@ struct VehicleBlock {
   Mat3<double> J_B = Mat3<double>::Constant(detail::none);
   Mat3N<double> D_B{3, 0};
   VecN<double> u_max, u_min, u_rate, wheel_inertia, momentum_max;
-  Mask spare;
+  Mask magnetorquers, spare;
   double orbit_rate = 0;
   Coordinates coordinates = Coordinates::body;
 
@@ -37,6 +38,9 @@ struct VehicleBlock {
           Field{"wheel_inertia", "kg m^2", 0, 1e6, "axial inertia of each wheel; 0 or absent: ideal torque actuator"});
     field(p.momentum_max, Field{"momentum_max", "N m s", 0, detail::infinite,
                                 "of each wheel, as flight knows it: it gives no more there; absent: not known"});
+    field(p.magnetorquers,
+          Field{"magnetorquers", "", 0, max_actuators - 1,
+                "actuators that are a dipole along their column of D_B; commands and limits in A m^2"});
     field(p.spare, Field{"spare", "", 0, max_actuators - 1, "actuators that stay off until a detector enables them"});
     field(p.orbit_rate, Field{"orbit_rate", "rad/s", 0, 1, "of a circular orbit; 0: none"});
     field(p.coordinates,
@@ -158,6 +162,12 @@ struct CmgBlock {
     field(p.angle_max, Field{"angle_max", "rad", 0, detail::infinite,
                              "of the stops of each gimbal, on both sides; flight does not know of them; absent: none"});
   }
+};
+
+/// What flight does about momentum, with its magnetorquers.
+struct DesaturationBlock : CrossProductDesaturation<double>::Params {
+  static constexpr const char* name = "desaturation";
+  DesaturationBlock() : Params(Setup<double>{}) {}
 };
 
 /// Length, period, seed and number of a run.

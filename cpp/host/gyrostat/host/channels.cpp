@@ -12,8 +12,8 @@ namespace gyrostat::host {
 
 namespace {
 
-constexpr int per_actuator = -1, per_mode = -2, per_gimbal = -3, gimballed = -4, of_thrusters = -5,
-              of_thrusters3 = -6;  // one number, or three, where there are such
+constexpr int per_actuator = -1, per_mode = -2, per_gimbal = -3, gimballed = -4, of_thrusters = -5, of_thrusters3 = -6,
+              once_an_orbit = -7, three_an_orbit = -8;  // one number, or three, where there are such
 
 void put(const Vec3<double>& v, double* out) { std::copy_n(v.data(), 3, out); }
 void put(const VecN<double>& v, double* out) { std::copy_n(v.data(), v.size(), out); }
@@ -33,29 +33,48 @@ void put_classes(const Detection<double>& det, int n, double* out) {
 }
 int actuators_of(const ShadowView& v) { return static_cast<int>(v.x->effectiveness.size()); }
 
+truth::Orbit::Point orbit_of(const Moment& m) { return m.vehicles.orbit->at(m.now.t); }
+
+Vec3<double> field_of(const Moment& m, const truth::TruthState& s) {
+  return s.q_NB.conjugate() * m.vehicles.orbit->field(s.t).B_N;
+}
+
 /// Where gyros point, of a vehicle that has some.
-Axes<double> axes_of(const Moment& m, const truth::TruthState& s) {
-  return m.vehicles.gyros.any() ? m.vehicles.gyros.at(m.vehicles.nominal, s.gimbal, s.h_w) : Axes<double>{};
+Axes<double> gimballed_axes(const Moment& m, const truth::TruthState& s) {
+  return m.vehicles.gyros.at(m.vehicles.nominal, s.gimbal, s.h_w);
+}
+
+/// Axes of torque at s: of gyros where their gimbals point, of magnetorquers across the field, of all others `D_B`.
+Mat3N<double> axes_of(const Moment& m, const truth::TruthState& s, Mat3N<double> D_B) {
+  const Mask gyros = m.vehicles.gyros.gyros(), magnetorquers = m.vehicles.nominal.magnetorquers;
+  if (!gyros.any() && !magnetorquers.any()) return D_B;
+  const Axes<double> turned = gyros.any() ? gimballed_axes(m, s) : Axes<double>{};
+  for (int i = 0; i < D_B.cols(); ++i) {
+    if (gyros.test(i)) D_B.col(i) = turned.D_B.col(i);
+    if (magnetorquers.test(i)) D_B.col(i) = Vec3<double>(D_B.col(i)).cross(field_of(m, s));
+  }
+  return D_B;
 }
 
 /// What the nominal model knows of the motion without commands.
 Vec3<double> known_of(const Moment& m, const truth::TruthState& s) {
-  const Vec3<double> h_B = m.vehicles.gyros.any() ? axes_of(m, s).h_B : torque<double>(m.vehicles.nominal.D_B, s.h_w);
+  const bool gyros = m.vehicles.gyros.any();
+  const Vec3<double> h_B = gyros ? gimballed_axes(m, s).h_B : torque<double>(m.vehicles.nominal.D_B, s.h_w);
   return known_torque<double>(m.vehicles.nominal, s.angles, s.omega_BN_B, h_B);
 }
 
 /// N m, of the nominal axes that held at s.
 Vec3<double> nominal_torque(const Moment& m, const truth::TruthState& s, const VecN<double>& u) {
-  return torque<double>(axes_of(m, s).of(m.vehicles.nominal.D_B), u);
+  return torque<double>(axes_of(m, s, m.vehicles.D_B), u);
 }
 
 Vec3<double> fault_torque(const Moment& m) {
-  return torque<double>(axes_of(m, m.now).of(m.vehicles.D_true_B), m.truth().delivered - m.u_held);
+  return torque<double>(axes_of(m, m.now, m.vehicles.D_true_B), m.truth().delivered - m.u_held);
 }
 
 /// sqrt det(B B'), B the axes of the gyros.
 double singularity(const Moment& m) {
-  const Mat3N<double> D_B = axes_of(m, m.now).D_B;
+  const Mat3N<double> D_B = gimballed_axes(m, m.now).D_B;
   Mat3<double> squares = Mat3<double>::Zero();
   for (int i = 0; i < D_B.cols(); ++i) {
     if (m.vehicles.gyros.gyros().test(i)) squares += D_B.col(i) * D_B.col(i).transpose();
@@ -88,7 +107,7 @@ double pointing_error(const Moment& m) {
 
 struct Known {
   const char* name;
-  int size;  // per_actuator, per_mode, ...: one each
+  int size;  // per_actuator, per_mode, ...: one each; .._an_orbit: where there is one
   const char* unit;
   const char* meaning;
   void (*fill)(const Moment&, double*);
@@ -109,6 +128,11 @@ const Known known[] = {
     {"truth.eta", per_mode, "kg^1/2 m", "displacement of each mode of the appendages",
      [](M m, double* o) { put(m.now.eta, o); }},
     {"truth.eta_rate", per_mode, "kg^1/2 m/s", "its rate", [](M m, double* o) { put(m.now.eta_rate, o); }},
+    {"truth.r_N", three_an_orbit, "m", "position on the orbit", [](M m, double* o) { put(orbit_of(m).r_N, o); }},
+    {"truth.v_N", three_an_orbit, "m/s", "velocity on the orbit", [](M m, double* o) { put(orbit_of(m).v_N, o); }},
+    {"truth.field_B", three_an_orbit, "T", "magnetic field", [](M m, double* o) { put(field_of(m, m.now), o); }},
+    {"truth.eclipse", once_an_orbit, "", "1: in the Earth's shadow",
+     [](M m, double* o) { put(m.vehicles.orbit->dark(m.now.t), o); }},
     {"truth.propellant", of_thrusters, "kg", "propellant that the thrusters have used",
      [](M m, double* o) { put(m.now.propellant, o); }},
     {"truth.thruster_impulse_B", of_thrusters3, "N s", "integral of the thrusters' force in body axes",
@@ -156,6 +180,18 @@ const Known known[] = {
      [](M m, double* o) { put(m.y->rate_valid, o); }},
     {"measurement.momentum_valid", 1, "", "1: wheel momentum measured at this sample, 0: not",
      [](M m, double* o) { put(m.y->momentum_valid, o); }},
+    {"measurement.field_B", three_an_orbit, "T", "measured magnetic field",
+     [](M m, double* o) { put(m.y->field_B, o); }},
+    {"measurement.field_valid", once_an_orbit, "", "1: field measured at this sample, 0: not",
+     [](M m, double* o) { put(m.y->field_valid, o); }},
+    {"measurement.field_N", three_an_orbit, "T", "the field as flight's model has it",
+     [](M m, double* o) { put(m.y->field_N, o); }},
+    {"measurement.sun_B", three_an_orbit, "", "measured direction to the sun; zero: never seen",
+     [](M m, double* o) { put(m.y->sun_B, o); }},
+    {"measurement.sun_valid", once_an_orbit, "", "1: sun seen at this sample, 0: not",
+     [](M m, double* o) { put(m.y->sun_valid, o); }},
+    {"measurement.sun_N", three_an_orbit, "", "direction to the sun as flight's almanac has it",
+     [](M m, double* o) { put(m.y->sun_N, o); }},
     {"measurement.euler", 3, "rad", "measured roll, pitch, yaw", [](M m, double* o) { put(m.y->euler.angles, o); }},
     {"measurement.euler_rates", 3, "rad/s", "measured Euler rates", [](M m, double* o) { put(m.y->euler.rates, o); }},
     {"reference.q_NR", 4, "", "reference attitude", [](M m, double* o) { put(m.ref->q_NR, o); }},
@@ -240,6 +276,10 @@ int width_of(int size, const Counts& counts) {
       return counts.thrusters ? 1 : 0;
     case of_thrusters3:
       return counts.thrusters ? 3 : 0;
+    case once_an_orbit:
+      return counts.orbit ? 1 : 0;
+    case three_an_orbit:
+      return counts.orbit ? 3 : 0;
     default:
       return size;
   }
@@ -247,7 +287,8 @@ int width_of(int size, const Counts& counts) {
 
 /// `k` is a Known or a KnownOfShadow.
 ChannelInfo info_of(const std::string& name, const auto& k, const Counts& counts) {
-  const bool actuator = k.size == per_actuator || k.size == per_gimbal, axis = k.size == 3 || k.size == of_thrusters3;
+  const bool actuator = k.size == per_actuator || k.size == per_gimbal;
+  const bool axis = k.size == 3 || k.size == of_thrusters3 || k.size == three_an_orbit;
   const char* dimension = actuator ? "actuator" : axis ? "axis" : k.size == 4 ? "quaternion" : "";
   return {name, width_of(k.size, counts), k.unit, k.meaning, dimension};
 }

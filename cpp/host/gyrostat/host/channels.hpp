@@ -24,14 +24,15 @@ struct ChannelInfo {
 /// How many of what a vehicle has: widths of channels.
 struct Counts {
   int actuators = 0, modes = 0, gimbals = 0;  ///< gimbals: actuators, where some of them have one
-  bool thrusters = false;
+  bool thrusters = false, orbit = false;
 };
 
 /// The true vehicle beside the nominal one; channels compare them.
 struct Vehicles {
   Vehicle<double> nominal;
-  Mat3N<double> D_true_B{3, 0};
+  Mat3N<double> D_B{3, 0}, D_true_B{3, 0};  ///< of magnetorquers with the axes of their dipoles
   ControlMomentGyros<double> gyros;
+  std::optional<truth::Orbit> orbit;
   double dt = 0;
 };
 

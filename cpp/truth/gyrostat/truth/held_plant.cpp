@@ -32,7 +32,7 @@ HeldPlant::HeldPlant(PlantModel& model, const InitialState& initial, double dt, 
       D_B_(model.D_B),
       states_(states),
       actuators_(std::move(model.actuators), std::move(model.faults)),
-      external_(std::move(model.disturbances), J_total_B, model.orbit_rate),
+      external_(std::move(model.disturbances), J_total_B, model.orbit_rate, std::move(model.orbit)),
       dt_(dt) {
   const bool symmetric =
       (J_B_ - J_B_.transpose()).norm() <= 1e-12 * J_B_.norm();  // rounding of what the caller computed
@@ -151,7 +151,7 @@ void HeldPlant::step_towards(double stop) {
     fit_delivered(t1);
   }
   if (stops_.any()) end_at_stops(t1);
-  if (!cvode_ || restart_) absorb_outer_impulse();
+  if (!has_history()) absorb_outer_impulse();
   t1 = fly_piece(t1);
   statistics_.pieces += static_cast<std::uint64_t>(pieces_);
   take_up_storage((t1 - t_) / length_);
@@ -364,7 +364,8 @@ void HeldPlant::show_thrust() noexcept {
 
 InnerRates HeldPlant::inner_rates() const noexcept {
   Vec3<double> held{y_[4], y_[5], y_[6]};
-  if (outer_.any()) held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w) + turning_others_B_;
+  if (outer_.any() || leaves_beside_axes_)
+    held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w) + turning_others_B_;
   const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
   return {std::sqrt(2 * (state_.omega_BN_B.squaredNorm() + precession2)), bending_rate_, friction_rate_};
 }

@@ -43,6 +43,12 @@ class HeldPlant {
   /// Holds the command u (N m, one an actuator) from this sample to the next. Takes at most 200 000 steps.
   /// @throws IntegrationError, NonFiniteState, std::invalid_argument when u has the wrong length
   void advance(const VecN<double>& u);
+  /// Holds a torque on the body (N m) besides all disturbances, from now until another one: a discontinuity where it changes.
+  void push(const Vec3<double>& torque_B) noexcept {
+    if (torque_B == external_.outside_B()) return;
+    external_.hold(torque_B);
+    restart_ = true;
+  }
   /// Holds u to any time not before the present one, in one interval. `advance` then goes on to the next sample.
   void advance_to(const VecN<double>& u, double t_end);
 
@@ -86,6 +92,10 @@ class HeldPlant {
   template <int capacity, class F>
   double pair_towards(const F& rhs, double t, double t1, State& y);
 
+  /// Whether the integrator remembers steps before this piece; to be given up where the state is changed.
+  bool has_history() const noexcept { return cvode_ && !restart_; }
+  void forget_history() noexcept { restart_ = true; }
+
   /// N m s, that channel i has stored or given away; at x = (t - t_) / length_ of the present piece.
   double stored(int i) const noexcept { return stored_[i] + stored_rest_[i]; }
   double stored(int i, double x) const noexcept {
@@ -97,9 +107,10 @@ class HeldPlant {
   int states_;
   Mask in_equations_;   ///< channels of effectors in the right-hand side
   Mask along_, outer_;  ///< channels whose impulse goes along a fixed axis; of these, those where it leaves the vehicle
-  double bending_rate_ = 0;   ///< rad/s, of the quickest mode of an appendage
-  double friction_rate_ = 0;  ///< 1/s, at which the quickest speed dies out in viscous friction
-  bool looks_ahead_ = false;  ///< pieces are flown a step at a time
+  bool leaves_beside_axes_ = false;  ///< some impulse that leaves the vehicle does not go along a fixed axis
+  double bending_rate_ = 0;          ///< rad/s, of the quickest mode of an appendage
+  double friction_rate_ = 0;         ///< 1/s, at which the quickest speed dies out in viscous friction
+  bool looks_ahead_ = false;         ///< pieces are flown a step at a time
   Vec3<double> turning_others_B_ =
       Vec3<double>::Zero();  ///< N m s, beside body and wheels, that turns with the vehicle
   FaultyActuators actuators_;

@@ -97,6 +97,12 @@ List RigidPlantOf<List>::all_effectors(PlantModel& model, List others) {
   } else {
     detail::refuse_if(!gyros.empty(), "plant: control moment gyros need effectors that are some");
   }
+  if constexpr (List::template has<Magnetorquer>) {
+    for (int i = 0; i < a.size(); ++i) {
+      if (model.magnetorquers.test(i)) others.add(Magnetorquer{i, model.D_B.col(i)});
+    }
+    detail::refuse_if(model.magnetorquers.any() && !model.orbit, "plant: magnetorquers need an orbit, for its field");
+  }
   Mask taken;
   others.each([&](const auto& e) {
     if (e.channel < 0) return;
@@ -146,7 +152,9 @@ RigidPlantOf<List>::RigidPlantOf(List effectors, PlantModel& model, const Initia
                       "plant: a wheel starts beyond its momentum_max");
   }
   const Quat<double> q = initial.q_NB.normalized();
-  const Scene scene{0, q, initial.omega_BN_B};
+  state_.q_NB = q;
+  state_.omega_BN_B = initial.omega_BN_B;
+  const Scene scene = scene_now();
   double* inner = y_.data() + rigid_states;
   effectors_.each_coupled([&]<class E>(const E& e) {
     if constexpr (E::states > 0) e.start(scene, inner);
@@ -184,6 +192,8 @@ void RigidPlantOf<List>::list_effectors() {
     const auto index = static_cast<std::size_t>(e.channel);
     if (e.channel >= 0) in_equations_.set(e.channel, detail::Coupled<E>);
     if constexpr (detail::Coupled<E> && !std::derived_from<E, Wheel>) others_fly_ = true;
+    if constexpr (detail::Coupled<E> && E::storage == Storage::outer) leaves_beside_axes_ = true;
+    if constexpr (std::same_as<E, Magnetorquer>) magnetic_ = true;
     if constexpr (E::along_axis) {
       along_.set(e.channel);
       outer_.set(e.channel, E::storage == Storage::outer);
@@ -253,6 +263,7 @@ auto RigidPlantOf<List>::others(const Scene& scene, const State& y, const auto& 
 
 template <class List>
 double RigidPlantOf<List>::fly_piece(double t1) {
+  absorb_beside_axes();
   if (watched_.any()) settle_wheels();
   for (int i = 0; i < actuators_.size(); ++i) {
     const auto index = static_cast<std::size_t>(i);
@@ -320,6 +331,26 @@ Rhs RigidPlantOf<List>::rhs_of_effectors() const noexcept {
                             : &detail::call<derivative<true, false, List>, Motion<List>>;
 }
 
+/// As absorb_outer_impulse, of what is not along an axis; CVODE's history is given up where it has grown beyond what turns.
+template <class List>
+void RigidPlantOf<List>::absorb_beside_axes() {
+  if (!leaves_beside_axes_) return;
+  const Scene now = scene(0, y_, Vec3<double>::Zero());
+  Vec3<double> left_B = Vec3<double>::Zero();
+  effectors_.each_coupled([&]<class E>(const E& e) {
+    if constexpr (E::storage == Storage::outer && E::states == 0)
+      left_B += e.momentum_B(now, stored(e.channel), nullptr);
+  });
+  const Vec3<double> H{y_[4], y_[5], y_[6]};
+  const double most = 10 * ((H - left_B).norm() + 0.01 * J_B_.norm());  // of 0.01 rad/s: much for a dipole
+  if (has_history() && left_B.norm() <= most) return;
+  effectors_.each_coupled([&]<class E>(const E& e) {
+    if constexpr (E::storage == Storage::outer && E::states == 0) stored_[e.channel] = stored_rest_[e.channel] = 0;
+  });
+  for (int axis = 0; axis < 3; ++axis) y_[static_cast<std::size_t>(4 + axis)] -= left_B[axis];
+  forget_history();
+}
+
 // ---- what others see ------------------------------------------------------------------------------------------------------
 
 template <class List>
@@ -332,7 +363,7 @@ void RigidPlantOf<List>::publish() {
     if (is_wheel(i)) state_.h_w[i] = h;
   }
   if (others_fly()) {
-    const Others more = others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now());
+    const Others more = others(scene_now(), y_, driven_now());
     Jw -= more.momentum_B;
     turning_others_B_ = more.turning_B;
   }
@@ -347,7 +378,7 @@ void RigidPlantOf<List>::publish() {
 /// What is seen of their states.
 template <class List>
 void RigidPlantOf<List>::show_others() {
-  const Scene scene{t_, state_.q_NB, state_.omega_BN_B};
+  const Scene scene = scene_now();
   const double* inner = y_.data() + rigid_states;
   state_.eta.resize(0);
   state_.eta_rate.resize(0);
@@ -392,10 +423,11 @@ TruthSample RigidPlantOf<List>::sample() const {
   Vec3<double> rotating = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w),
                along = torque<double>(D_B_, s.delivered);
   if (others_fly()) {
+    along.setZero();
     for (int i = 0; i < n; ++i) {
-      if (!along_.test(i)) along -= s.delivered[i] * D_B_.col(i);
+      if (along_.test(i)) along += D_B_.col(i) * s.delivered[i];
     }
-    const Others more = others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now());
+    const Others more = others(scene_now(), y_, driven_now());
     rotating += more.turning_B;
     along += more.torque_B;
   }

@@ -224,7 +224,7 @@ class AllocationSolver {
       out.outer = closest.rounds + 1;
       return closest;
     }
-    const std::array<Torque, N> a = kernel_.a;
+    const std::array<Torque, std::size_t(N)> a = kernel_.a;
     const Torque b = kernel_.b;
     Closest closest;
     Eigen::Matrix<S, M, M> settled = Eigen::Matrix<S, M, M>::Zero();
@@ -339,7 +339,7 @@ class AllocationSolver {
   /// A solve in the eigenvectors of Sb: there R is diagonal, and its small element is not lost beside the large ones.
   S along_axes(auto&& solve, const Torque& start) noexcept {
     const auto& axes = spread_.axes;
-    const std::array<Torque, N> a = kernel_.a;
+    const std::array<Torque, std::size_t(N)> a = kernel_.a;
     const Torque b = kernel_.b;
     for (int i = 0; i < kernel_.n; ++i) kernel_.a[size_t(i)] = axes.transpose() * a[size_t(i)];
     kernel_.b = axes.transpose() * b;
@@ -372,13 +372,13 @@ class AllocationSolver {
     return p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled;
   }
 
-  Torque residual(const std::array<S, N>& tau) const noexcept {
+  Torque residual(const std::array<S, std::size_t(N)>& tau) const noexcept {
     Torque r = kernel_.b;
     for (int i = 0; i < kernel_.n; ++i) r -= tau[size_t(i)] * kernel_.a[size_t(i)];
     return r;
   }
 
-  S objective(const std::array<S, N>& tau, const Torque& r) const noexcept {
+  S objective(const std::array<S, std::size_t(N)>& tau, const Torque& r) const noexcept {
     S sum = residual_weight_ * r.squaredNorm();
     for (int i = 0; i < kernel_.n; ++i) {
       const S off = tau[size_t(i)] - kernel_.preferred[size_t(i)];
@@ -523,13 +523,13 @@ class AllocationSolver {
 
   Geometry D_{M, 0}, WD_{M, 0};
   Torque W_ = Torque::Ones();
-  std::array<S, N> column_size_{};  // largest element of each column of W D
+  std::array<S, std::size_t(N)> column_size_{};  // largest element of each column of W D
   TorqueSpread<S, M> spread_;
   std::uint32_t active_ = 0;  // actuators in spread_
   bool spread_known_ = false;
   // Of the solve under way; nothing here is read by the next one.
   DualNewton<S, M, N> kernel_;
-  std::array<S, N> effectiveness_, weight_, command_;
+  std::array<S, std::size_t(N)> effectiveness_, weight_, command_;
   bool polished_ = false;  // command_ is not quite the kernel's
   Torque y_;
   S geometry_ = S(1), torque_ = S(1), effort_ = S(1), size_ = S(1), residual_weight_ = S(1);

@@ -3,7 +3,7 @@
 ///
 ///   u = clip(u_pref + A'(A A' + lambda E)^-1 (tau - A u_pref)),   lambda = lambda_0 exp(-decay det(B B')),   A = D diag(effectiveness)
 ///
-/// B has the columns of A with unit axes. E is the unit matrix (sr: Nakamura, Hanafusa 1986; Bedrossian and others 1990), or has
+/// B is A over its longest column. E is the unit matrix (sr: Nakamura, Hanafusa 1986; Bedrossian and others 1990), or has
 /// off-diagonals that swing, so that a demand along the lost axis turns gimbals too (gsr: Wie, Bailey, Heiberg 2001).
 /// Far from a singularity it is the pseudo-inverse. Page: docs/components/singularity_robust.md
 #pragma once
@@ -37,7 +37,7 @@ class SingularityRobust {
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.method, Choice{"method", "sr|gsr", "unit matrix, or off-diagonals that swing"});
-      field(p.lambda_0, Field{"lambda_0", "", 1e-6, 10, "regularisation at a singularity, of unit axes"});
+      field(p.lambda_0, Field{"lambda_0", "", 1e-6, 10, "regularisation at a singularity, for axes of length one"});
       field(p.decay, Field{"decay", "", 0, 1000, "how quickly it fades with det(B B')"});
       field(p.swing, Field{"swing", "", 0, 0.49, "amplitude of the off-diagonals (gsr)"});
       field(p.swing_rate, Field{"swing_rate", "rad/s", 0, 1e3, "of the off-diagonals (gsr)"});
@@ -95,9 +95,9 @@ class SingularityRobust {
   VecN<S> steered(const Demand<S>& demand, const Mat3N<S>& D_B, const Estimate<S>& x, Mask usable) noexcept {
     const Eigen::Index n = vehicle_.actuators();
     Mat3N<S> A = D_B;
-    Mat3<S> AAt = Mat3<S>::Zero(), BBt = Mat3<S>::Zero();
+    Mat3<S> AAt = Mat3<S>::Zero();
     VecN<S> preferred = demand.u_pref.size() == n ? demand.u_pref : VecN<S>(VecN<S>::Zero(n));
-    S squares = S(0), used = S(0);
+    S strongest = S(0);  // squared length of a column
     for (int i = 0; i < n; ++i) {
       const S e = params_.use_effectiveness ? x.effectiveness[i] : S(1);
       const S least = in_use_.test(i) ? params_.e_min * (S(2) / S(3)) : params_.e_min;  // no chatter about it
@@ -105,18 +105,13 @@ class SingularityRobust {
       in_use_.set(i, on);
       A.col(i) *= on ? e : S(0);
       if (!on) preferred[i] = S(0);
-      const S square = A.col(i).squaredNorm();
-      if (!(square > S(0))) continue;
-      const Mat3<S> outer = A.col(i) * A.col(i).transpose();
-      AAt += outer;
-      BBt += outer / square;
-      squares += square;
-      used += S(1);
+      AAt += A.col(i) * A.col(i).transpose();
+      strongest = std::max(strongest, A.col(i).squaredNorm());
     }
-    measure_ = std::sqrt(std::max(BBt.determinant(), S(0)));
+    measure_ = strongest > S(0) ? std::sqrt(std::max((AAt / strongest).determinant(), S(0))) : S(0);
     lambda_ = params_.lambda_0 * std::exp(-params_.decay * measure_ * measure_);
-    if (!(used > S(0))) return preferred;
-    const Mat3<S> regular = AAt + lambda_ * (squares / used) * weight(x.tick);
+    if (!(strongest > S(0))) return preferred;
+    const Mat3<S> regular = AAt + lambda_ * strongest * weight(x.tick);
     const Vec3<S> missing_B = demand.tau_B - torque<S>(A, preferred);
     return preferred + project<S>(A, Vec3<S>(regular.inverse() * missing_B));
   }

@@ -3,11 +3,12 @@
 #pragma once
 #include "gyrostat/truth/effectors/control_moment_gyro.hpp"
 #include "gyrostat/truth/effectors/flexible_mode.hpp"
+#include "gyrostat/truth/effectors/magnetorquer.hpp"
 #include "gyrostat/truth/effectors/torquer.hpp"
 #include "gyrostat/truth/effectors/wheel.hpp"
 
 namespace gyrostat::truth {
 
-using Effectors = EffectorList<Wheel, FrictionWheel, Torquer, FlexibleMode, ControlMomentGyro>;
+using Effectors = EffectorList<Wheel, FrictionWheel, Torquer, FlexibleMode, ControlMomentGyro, Magnetorquer>;
 
 }  // namespace gyrostat::truth
