@@ -52,7 +52,7 @@ def picture(figure: Figure) -> dict[str, Any]:
 
 def script(name: str, figure: Figure) -> str:
     """A file that a page loads when the figure of that name comes into view; it works without a server."""
-    data = json.dumps(picture(figure), separators=(",", ":"), allow_nan=False)
+    data = json.dumps(picture(figure), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     return f"gyrostat.draw({json.dumps(name)},{data});\n"
 
 
