@@ -49,7 +49,7 @@ def result(shown: Result) -> str:
     return _block(
         f"Result {name}".rstrip(),
         "",
-        f"<p>{chips(shown).replace('</span>', ' · </span>').removesuffix(' · </span>')}</p>",
+        f"<p>{chips(shown).replace('</span><span', '</span> · <span')}</p>",
         _folded("metrics", metrics(shown.metrics), opened=True),
         _folded(f"{len(rows)} channels", channels),
         _folded(f"{len(shown.events)} events", events) if shown.events else "",
@@ -124,6 +124,13 @@ def _meaning(shown: Result, name: str) -> str:
     return str(shown.meta.get(name, {}).get("meaning", ""))
 
 
+def _number(value: Any) -> str:
+    """Lists and numbers, of which four digits are enough to recognise them."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_number, value))}]"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
 def _text(value: Any) -> str:
     """A value in one line; a component leads with its type."""
     from gyrostat.text import printable
@@ -132,5 +139,5 @@ def _text(value: Any) -> str:
         parts = [str(value["type"])] if "type" in value else []
         parts += [f"{k} = {_text(v)}" for k, v in value.items() if k != "type"]
         return printable(", ".join(parts))
-    line = printable(str(value))
+    line = printable(_number(value))
     return line if len(line) <= _longest else f"{line[: _longest - 3]}..."
