@@ -13,8 +13,8 @@ CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.
 PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp headers asan asan-python python lint bench matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
-        debian-bench debian-embedded debian-fuzz
+.PHONY: help run test cpp docs docs-serve headers asan asan-python python lint bench matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
+        debian-bench debian-embedded debian-fuzz debian-docs
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -63,6 +63,14 @@ bench: debian-bench  ## benchmarks; each prints its table
 	@$(STEP) build-bench cmake --build --preset bench
 	@for b in build/bench/benchmarks/bench_*; do [ -x $$b ] && [ -f $$b ] && echo "== $${b##*/}" && $$b; done
 
+docs: debian-docs $(VENV)/docs.stamp  ## the documentation as a site, build/site/index.html; warns about nothing
+	@$(STEP) docs-prepare $(BIN)/python scripts/site/prepare.py build
+	@$(STEP) docs-site env -C build ../$(BIN)/zensical build --strict -f mkdocs.yml
+	@echo "build/site/index.html"
+
+docs-serve: docs  ## the same, served while one reads it
+	@$(BIN)/python -m http.server --directory build/site --bind 127.0.0.1 8000
+
 fuzz: debian-fuzz  ## a minute of coverage-guided fuzzing of every stack, under the sanitizers; FUZZ_SECONDS=600 for longer
 	@$(STEP) configure-fuzz cmake --preset fuzz
 	@$(STEP) build-fuzz cmake --build --preset fuzz
@@ -104,6 +112,9 @@ debian-fuzz: debian-run
 debian-embedded: debian-run
 	@scripts/debian_packages gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
 
+debian-docs:
+	@scripts/debian_packages doxygen
+
 debian-bench: debian-test
 	@scripts/debian_packages libbenchmark-dev
 
@@ -116,6 +127,10 @@ $(VENV)/venv.stamp: pyproject.toml
 
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(PACKAGE) | debian-run
 	@CXX=$${CXX:-c++} CMAKE_EXECUTABLE=$$(command -v cmake) $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation .
+	@touch $@
+
+$(VENV)/docs.stamp: $(VENV)/venv.stamp
+	@$(STEP) install-docs-tools scripts/install_requirements $(BIN) project.optional-dependencies.docs
 	@touch $@
 
 $(VENV)/test.stamp: $(VENV)/venv.stamp

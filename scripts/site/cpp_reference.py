@@ -117,8 +117,13 @@ def _members(members: list[ET.Element], *, level: int) -> Iterator[str]:
 def _type(member: ET.Element) -> str:
     kind = "".join(t.itertext()) if (t := member.find("type")) is not None else ""
     if member.get("kind") == "typedef":
-        return re.sub(r"^using \w+ = ", "", member.findtext("definition") or kind).replace("gyrostat::", "")
-    return kind
+        kind = re.sub(r"^using \S+ = (typedef )?", "", member.findtext("definition") or kind).replace("gyrostat::", "")
+    return _close(kind + (member.findtext("argsstring") or "" if member.get("kind") == "variable" else ""))
+
+
+def _close(code: str) -> str:
+    """``Mat3< S >`` as people write it."""
+    return re.sub(r"\s+(?=[>&*])", "", code.replace("< ", "<")).strip()
 
 
 def _signature(member: ET.Element) -> str:
@@ -129,7 +134,7 @@ def _signature(member: ET.Element) -> str:
         head = f"template <{', '.join(params)}>\n"
     kind = "".join(member.find("type").itertext()) if member.find("type") is not None else ""  # type: ignore[union-attr]
     text = f"{kind} {member.findtext('name')}{member.findtext('argsstring') or ''}"
-    return head + re.sub(r"\s*([<>&*])\s*(?=[,)>])", r"\1", text).replace("< ", "<").strip()
+    return head + _close(text)
 
 
 def _first(element: ET.Element) -> str:
@@ -147,7 +152,8 @@ def _code(text: str) -> str:
 def _text(element: ET.Element) -> list[str]:
     """Brief and detailed description as Markdown, a blank line between paragraphs."""
     paragraphs = _paragraphs(element.find("briefdescription")) + _paragraphs(element.find("detaileddescription"))
-    return "\n\n".join(paragraphs).splitlines()
+    text = re.sub(r"Page: docs/(\S+?)\.md", r"Page: [\1](../../\1.md)", "\n\n".join(paragraphs).replace("\\_", "_"))
+    return text.splitlines()
 
 
 def _paragraphs(description: ET.Element | None) -> list[str]:
