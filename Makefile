@@ -66,6 +66,7 @@ bench: debian-bench  ## benchmarks; each prints its table
 docs: debian-docs $(VENV)/docs.stamp  ## the documentation as a site, build/site/index.html; warns about nothing
 	@$(STEP) docs-prepare $(BIN)/python scripts/site/prepare.py build
 	@$(STEP) docs-site env -C build ../$(BIN)/zensical build --strict -f mkdocs.yml
+	@$(STEP) docs-check $(BIN)/python scripts/site/check.py build/site
 	@echo "build/site/index.html"
 
 docs-serve: docs  ## the same, served while one reads it

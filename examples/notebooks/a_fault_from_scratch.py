@@ -72,7 +72,9 @@ for name, fault in kinds.items():
     flown = healthy.replace(faults=[fault]).run()
     said = [e.what for e in flown.events if e.what]
     m = flown.metrics
-    print(f"{name:22}{m.peak_error_after_fault * 57.3:12.2g}{m.pointing_error * 57.3:12.2g}   {said[-1] if said else '-'}")
+    print(
+        f"{name:22}{m.peak_error_after_fault * 57.3:12.2g}{m.pointing_error * 57.3:12.2g}   {said[-1] if said else '-'}"
+    )
 
 # %% [markdown]
 # Five of them are hardly felt. Full blast loses the flight: to hold against one wheel of this pyramid takes all that the
@@ -89,7 +91,12 @@ for name, fault in kinds.items():
 from gyrostat import allocation
 
 D_B = healthy.vehicle.D_B
-for name, left in (("whole", (1, 1, 1, 1)), ("wheel 1 at half", (1, 0.5, 1, 1)), ("wheel 1 dead", (1, 0, 1, 1)), ("1 and 2 dead", (1, 0, 0, 1))):
+for name, left in (
+    ("whole", (1, 1, 1, 1)),
+    ("wheel 1 at half", (1, 0.5, 1, 1)),
+    ("wheel 1 dead", (1, 0, 1, 1)),
+    ("1 and 2 dead", (1, 0, 0, 1)),
+):
     reach = allocation.attainable_set(D_B, 0.2, effectiveness=np.array(left, dtype=float))
     print(f"{name:16} {reach.in_every_direction:.3f} N m in every direction")
 

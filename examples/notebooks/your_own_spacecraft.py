@@ -51,7 +51,9 @@ from gyrostat import allocation
 for lost in (None, 3, 0):
     left = np.array([0.0 if i == lost else 1.0 for i in range(4)])
     reach = allocation.attainable_set(vehicle.D_B, 2e-3, effectiveness=left)
-    print(f"without {'any' if lost is None else f'wheel {lost}':8}: {reach.in_every_direction * 1e3:.2f} mN m in every direction")
+    print(
+        f"without {'any' if lost is None else f'wheel {lost}':8}: {reach.in_every_direction * 1e3:.2f} mN m in every direction"
+    )
 
 # %% [markdown]
 # ## What really flies
@@ -87,7 +89,9 @@ print(f"{scenario['controller.k1']:.3g}, {scenario['controller.k2']:.3g}")
 # ## Before it flies
 
 # %%
-print(*(f"{row['where']:10} {row['name']:22} {'ok' if row['ok'] else row['code']}" for row in scenario.check()), sep="\n")
+print(
+    *(f"{row['where']:10} {row['name']:22} {'ok' if row['ok'] else row['code']}" for row in scenario.check()), sep="\n"
+)
 
 # %% [markdown]
 # `gyrostat check` prints more, such as how strong the loop is against its faults.

@@ -11,15 +11,27 @@ from collections.abc import Iterator
 from pathlib import Path
 
 LAYERS = {
-    "core": ("Vocabulary of all layers; needs Eigen.", ["signals", "types", "params", "set_parameter", "concepts", "attitude", "power"]),
-    "flight": ("What flies; `find_package(gyrostat COMPONENTS flight)`.", ["stack", "facade", "inputs", "axes", "navigation"]),
-    "host": ("Simulation and catalogue; `find_package(gyrostat COMPONENTS host)`.", ["value", "catalogue", "simulate", "experiment", "metrics"]),
+    "core": (
+        "Vocabulary of all layers; needs Eigen.",
+        ["signals", "types", "params", "set_parameter", "concepts", "attitude", "power"],
+    ),
+    "flight": (
+        "What flies; `find_package(gyrostat COMPONENTS flight)`.",
+        ["stack", "facade", "inputs", "axes", "navigation"],
+    ),
+    "host": (
+        "Simulation and catalogue; `find_package(gyrostat COMPONENTS host)`.",
+        ["value", "catalogue", "simulate", "experiment", "metrics"],
+    ),
 }
 
 
 def cpp_pages(root: Path) -> dict[str, str]:
     """Text of each page by its place."""
-    pages, index = {}, ["# C++", "", "Every header can be included alone; a component is described on [its page](../components.md)."]
+    pages, index = (
+        {},
+        ["# C++", "", "Every header can be included alone; a component is described on [its page](../components.md)."],
+    )
     with tempfile.TemporaryDirectory() as folder:
         xml = _doxygen(root, Path(folder))
         for layer, (about, names) in LAYERS.items():
@@ -33,7 +45,9 @@ def cpp_pages(root: Path) -> dict[str, str]:
 
 
 def _doxygen(root: Path, folder: Path) -> Path:
-    headers = " ".join(str(root / f"cpp/{layer}/gyrostat/{layer}/{n}.hpp") for layer, (_, names) in LAYERS.items() for n in names)
+    headers = " ".join(
+        str(root / f"cpp/{layer}/gyrostat/{layer}/{n}.hpp") for layer, (_, names) in LAYERS.items() for n in names
+    )
     settings = f"""
         INPUT = {headers}
         OUTPUT_DIRECTORY = {folder}
@@ -105,7 +119,14 @@ def _members(members: list[ET.Element], *, level: int) -> Iterator[str]:
         yield ""
     for m in members:
         if m.get("kind") == "enum":
-            yield from (f"{'#' * level} enum {m.findtext('name')}", "", *_text(m), "", "| value | meaning |", "| --- | --- |")
+            yield from (
+                f"{'#' * level} enum {m.findtext('name')}",
+                "",
+                *_text(m),
+                "",
+                "| value | meaning |",
+                "| --- | --- |",
+            )
             yield from (f"| `{v.findtext('name')}` | {_cell(v)} |" for v in m.findall("enumvalue"))
             yield ""
     for m in members:
@@ -130,7 +151,10 @@ def _signature(member: ET.Element) -> str:
     template = member.find("templateparamlist")
     head = ""
     if template is not None:
-        params = [" ".join(filter(None, ("".join(p.find("type").itertext()), p.findtext("declname")))) for p in template.findall("param")]  # type: ignore[union-attr]
+        params = [
+            " ".join(filter(None, ("".join(p.find("type").itertext()), p.findtext("declname"))))
+            for p in template.findall("param")
+        ]  # type: ignore[union-attr]
         head = f"template <{', '.join(params)}>\n"
     kind = "".join(member.find("type").itertext()) if member.find("type") is not None else ""  # type: ignore[union-attr]
     text = f"{kind} {member.findtext('name')}{member.findtext('argsstring') or ''}"
@@ -138,7 +162,7 @@ def _signature(member: ET.Element) -> str:
 
 
 def _first(element: ET.Element) -> str:
-    return _paragraphs(element.find("briefdescription"))[0] if _paragraphs(element.find("briefdescription")) else "".join(_text(element)[:1])
+    return "".join(_text(element)[:1])
 
 
 def _cell(element: ET.Element) -> str:
@@ -167,12 +191,19 @@ def _blocks(para: ET.Element) -> Iterator[str]:
         if inner.tag in ("verbatim", "preformatted", "programlisting"):
             yield from filter(None, [_tidy(text)])
             text = ""
-            block = "\n".join("".join(line.itertext()) for line in inner.findall("codeline")) if inner.tag == "programlisting" else "".join(inner.itertext())
+            block = (
+                "\n".join("".join(line.itertext()) for line in inner.findall("codeline"))
+                if inner.tag == "programlisting"
+                else "".join(inner.itertext())
+            )
             yield f"```text\n{block.strip(chr(10))}\n```"
         elif inner.tag in ("itemizedlist", "orderedlist"):
             yield from filter(None, [_tidy(text)])
             text = ""
-            yield "\n".join("- " + " ".join(" ".join(_blocks(p)) for p in item.findall("para")) for item in inner.findall("listitem"))
+            yield "\n".join(
+                "- " + " ".join(" ".join(_blocks(p)) for p in item.findall("para"))
+                for item in inner.findall("listitem")
+            )
         elif inner.tag == "computeroutput":
             text += f"`{''.join(inner.itertext())}`"
         elif inner.tag == "parameterlist":

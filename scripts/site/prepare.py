@@ -18,9 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import yaml
 from cpp_reference import cpp_pages
-from latex2mathml.converter import convert
 from python_reference import python_pages
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,6 +50,8 @@ def main(folder: Path) -> None:
 
 def _settings(pages: list[str]) -> str:
     """The settings with the whole navigation."""
+    import yaml
+
     text = (Path(__file__).parent / "mkdocs.yml").read_text(encoding="utf-8")
     head, _, nav = text.partition("\nnav:\n")
     entries = yaml.safe_load(f"nav:\n{nav}")["nav"]
@@ -108,6 +108,10 @@ def _led(text: str, path: Path, name: str) -> str:
 
 
 def _with_math(text: str) -> str:
+    if not _formula.search(text):
+        return text
+    from latex2mathml.converter import convert
+
     def converted(match: re.Match[str]) -> str:
         mathml = convert((match[1] or match[2]).strip(), display="block" if match[1] else "inline")
         return str(mathml).replace("*", "&#42;").replace("_", "&#95;")
