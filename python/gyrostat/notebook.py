@@ -69,7 +69,8 @@ def metrics(shown: Metrics) -> str:
 
 def component(shown: Component) -> str:
     """The type and the parameters that were given."""
-    return _block(shown.type, "", table(("parameter", "value"), [(k, _text(v)) for k, v in shown.params.items()]))
+    rows = [(key, _text(value)) for key, value in shown.to_dict().items() if key != "type"]
+    return _block(shown.type, "", table(("parameter", "value"), rows))
 
 
 def reproduction(shown: Reproduction) -> str:
@@ -117,7 +118,8 @@ def _block(title: str, text: str, *parts: str) -> str:
 
 
 def _folded(title: str, body: str, *, opened: bool = False) -> str:
-    return f"<details{' open' if opened else ''}><summary>{escape(title)}</summary>{body}</details>"
+    state = ' open=""' if opened else ""
+    return f"<details{state}><summary>{escape(title)}</summary>{body}</details>"
 
 
 def _meaning(shown: Result, name: str) -> str:
@@ -139,5 +141,7 @@ def _text(value: Any) -> str:
         parts = [str(value["type"])] if "type" in value else []
         parts += [f"{k} = {_text(v)}" for k, v in value.items() if k != "type"]
         return printable(", ".join(parts))
+    if not isinstance(value, bool | int | float | str | list):
+        return f"{type(value).__name__}, a Python object"
     line = printable(_number(value))
     return line if len(line) <= _longest else f"{line[: _longest - 3]}..."

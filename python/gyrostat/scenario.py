@@ -422,12 +422,11 @@ def _can_be_copied(component: object) -> bool:
 
 def _leaves(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
     """A table, or a list of tables, by keys; each with what is in it."""
-    within = value.items() if isinstance(value, Mapping) else ()
-    if isinstance(value, list) and value and all(isinstance(v, Mapping) for v in value):
-        within = enumerate(value)
     if prefix:
         yield prefix, value
-    for key, inner in within:
+    tables = isinstance(value, list) and all(isinstance(v, Mapping) for v in value)
+    within = dict(enumerate(value)) if tables else value if isinstance(value, Mapping) else {}
+    for key, inner in within.items():
         yield from _leaves(f"{prefix}.{key}" if prefix else str(key), inner)
 
 

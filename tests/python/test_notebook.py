@@ -46,11 +46,11 @@ def test_a_python_component_is_shown_by_its_class(scenario: gs.Scenario) -> None
         def step(self, x, det, ref, last):
             return np.zeros(3)
 
-    assert "Mine" in scenario.replace(controller=Mine())._repr_html_()
+    assert dict(cells(scenario.replace(controller=Mine())._repr_html_()))["controller"] == "Mine, a Python object"
 
 
 def test_a_component_shows_its_parameters() -> None:
-    fault = gs.faults.Stuck(actuator=1, torque=gs.waveforms.Sine(amplitude=0.1, omega=2.0))
+    fault = gs.faults.Bias(actuator=1, torque=gs.waveforms.Sine(amplitude=0.1, omega=2.0))
     shown = dict(cells(fault._repr_html_()))
     assert shown["actuator"] == "1"
     assert shown["torque"].startswith("sine, amplitude = 0.1")
@@ -83,7 +83,7 @@ def test_a_scenario_tells_its_values_defaults_too(scenario: gs.Scenario) -> None
     assert scenario["controller.K"] == pytest.approx(1.642, rel=1e-3)  # the default of docs/components/mrp_feedback.md
     changed = scenario.replace(**{"controller.K": 2.0})
     assert changed["controller.K"] == 2.0
-    with pytest.raises(KeyError, match="did you mean 'controller.K'"):
+    with pytest.raises(KeyError, match=r"did you mean 'controller\.K'"):
         scenario["controller.KK"]
 
 
@@ -101,7 +101,7 @@ def test_a_plot_draws_what_is_named(result: gs.Result, tmp_path: Path) -> None:
     assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == [f"actuator {i}" for i in range(4)]
     assert figure._repr_png_().startswith(b"\x89PNG")
     assert figure.save(tmp_path / "two.svg").exists()
-    with pytest.raises(KeyError, match="did you mean 'error.angle'"):
+    with pytest.raises(KeyError, match=r"did you mean 'error\.angle'"):
         result.plot("error.angl")
 
 
@@ -125,13 +125,14 @@ def test_parquet_and_csv_read_back_exactly(result: gs.Result, tmp_path: Path) ->
     assert table.schema.field("error.angle").metadata == {b"unit": b"rad"}
     assert b"loss_of_effectiveness" in table.schema.metadata[b"scenario"]
     pd.testing.assert_frame_equal(table.to_pandas().set_index("time"), frame)
-    read = pd.read_csv(result.to_csv(tmp_path / "run.csv", chosen), index_col="time", float_precision="round_trip")
-    pd.testing.assert_frame_equal(read, frame)
+    rows = np.loadtxt(result.to_csv(tmp_path / "run.csv", chosen), delimiter=",", skiprows=1)
+    np.testing.assert_array_equal(rows, frame.reset_index().to_numpy())
+    assert (tmp_path / "run.csv").read_text().splitlines()[0].replace('"', "") == ",".join(["time", *frame])
     assert sorted(p.name for p in tmp_path.iterdir()) == ["run.csv", "run.parquet"]
 
 
 def test_wrong_tables_are_one_line_and_write_nothing(result: gs.Result, tmp_path: Path) -> None:
-    with pytest.raises(gs.InputError, match="is written as .parquet; write that ending, or none"):
+    with pytest.raises(gs.InputError, match=r"is written as \.parquet; write that ending, or none"):
         result.to_parquet(tmp_path / "run.csv")
     with pytest.raises(gs.InputError, match="cannot be written"):
         result.to_csv(tmp_path / "nowhere" / "run.csv")
