@@ -56,7 +56,7 @@ def draw(data: dict[str, np.ndarray]) -> Figure:
             _spacecraft(axis, data[f"{name}_q_NB"][k], 4.2 * i, failed=t > ONSET)
             axis.text(
                 4.2 * i,
-                -1.95,
+                -2.45,
                 f"{error:.0f}°" if error > 10.0 else f"{error:.2g}°",
                 ha="center",
                 fontsize=10,
@@ -72,8 +72,8 @@ def draw(data: dict[str, np.ndarray]) -> Figure:
         axis.semilogy(data["t"], np.maximum(data[f"{name}_deg"], 1e-5), color=color, linewidth=1.6)
     axis.axvline(ONSET, color=INK, linewidth=0.9, linestyle=":")
     axis.text(
-        ONSET + 1.5,
-        0.25,
+        ONSET + 8.0,
+        0.06,
         f"wheel {STUCK} sticks at 75 % of its torque;\nnobody on board is told",
         fontsize=9,
         color=INK,

@@ -46,19 +46,22 @@ result.plot("error.angle", "allocation.u", "estimate.d_B")
 #
 # ## Make it worse
 #
-# `replace` gives a copy with other values. A dotted key reaches inside; a list is entered by position.
+# `replace` gives a copy with other values. A dotted key reaches inside, and a list is entered by position:
+# `replace(**{"faults.0.remaining": 0.2})`. Here the whole fault is another one: the wheel pushes all the time, whatever it is told.
 
 # %%
-for remaining in (0.4, 0.2, 0.1):
-    flown = scenario.replace(**{"faults.0.remaining": remaining}).run(channels=["error.angle"])
-    print(f"wheel 2 at {remaining:3.0%}: worst {flown.metrics.peak_error_after_fault * 57.3:4.1f} deg after the fault")
+for torque in (0.02, 0.1, 0.15):
+    stuck = gs.faults.Stuck(actuator=2, t_on=60.0, torque=torque)
+    worse = scenario.replace(faults=[stuck]).run(channels=["error.angle"])
+    print(f"wheel 2 stuck at {torque:.2f} N m: {worse.metrics.peak_error_after_fault * 57.3:.2g} deg at worst, "
+          f"{worse.metrics.pointing_error * 57.3:.2g} deg at the end")
 
 # %% [markdown]
 # And with a law that does not look for what is missing:
 
 # %%
 plain = scenario.replace(observer="passthrough", controller="mrp_feedback").run()
-print(f"plain: {plain.metrics.pointing_error * 57.3:.2g} deg at the end")
+print(f"plain law: {plain.metrics.pointing_error * 57.3:.2g} deg at the end")
 print(f"with the observer: {result.metrics.pointing_error * 57.3:.2g} deg")
 
 # %% [markdown]
