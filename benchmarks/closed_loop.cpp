@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "gyrostat/flight/allocators/lexicographic.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
 #include "gyrostat/flight/allocators/robust_socp.hpp"
 #include "gyrostat/flight/controllers/integral_sliding_mode.hpp"
@@ -13,6 +14,7 @@
 #include "gyrostat/flight/controllers/preassigned_time_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/predefined_time.hpp"
 #include "gyrostat/flight/controllers/prescribed_performance.hpp"
+#include "gyrostat/flight/detectors/evidence.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
 #include "gyrostat/flight/detectors/threshold.hpp"
 #include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
@@ -67,6 +69,10 @@ auto static_cao2023(const Assembly& a) {
 }
 auto static_joint(const Assembly& a) {
   return static_stack<JointKalman<double>, NoDetector<double>, IntegralSlidingMode<double>, PseudoInverse<double>>(a);
+}
+auto static_recommended(const Assembly& a) {
+  return static_stack<JointKalman<double>, EvidenceDetector<double>, IntegralSlidingMode<double>, Lexicographic<double>>(
+      a);
 }
 auto static_yang2023(const Assembly& a) {
   return static_stack<AdaptiveIterativeLearningObserver<double>, ThresholdDetector<double>,
@@ -124,6 +130,7 @@ const auto make_static_cao2022 = [](const Assembly& a) { return static_cao2022(a
 const auto make_static_wang2023 = [](const Assembly& a) { return static_wang2023(a); };
 const auto make_static_cao2023 = [](const Assembly& a) { return static_cao2023(a); };
 const auto make_static_joint = [](const Assembly& a) { return static_joint(a); };
+const auto make_static_recommended = [](const Assembly& a) { return static_recommended(a); };
 const auto make_static_yang2023 = [](const Assembly& a) { return static_yang2023(a); };
 
 BENCHMARK_CAPTURE(flight_step, ftc_4rw / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
@@ -146,6 +153,9 @@ BENCHMARK_CAPTURE(flight_step, yang2023 / static, yang2023_slew(40), make_static
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, joint / erased, joint(), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flight_step, joint / static, joint(), make_static_joint)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, recommended / erased, recommended(), make_erased)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(flight_step, recommended / static, recommended(), make_static_recommended)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4 / erased, ftc_4rw("rk4"), make_erased)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_rk4 / static, ftc_4rw("rk4"), make_static_ftc)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(closed_loop, ftc_4rw_cvode / erased, ftc_4rw("cvode"), make_erased)->Unit(benchmark::kMillisecond);

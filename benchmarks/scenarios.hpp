@@ -44,6 +44,14 @@ inline Table joint() {
   return out;
 }
 
+/// The same with the whole recommended stack.
+inline Table recommended() {
+  Table out = joint();
+  out.set("detector", Table{{"type", "evidence"}, {"drop", false}});
+  out.set("allocator", Table{{"type", "lexicographic"}});
+  return out;
+}
+
 /// Li et al. 2018, Table 1: degraded wheels, disturbance observer and integral sliding mode, at 1 kHz.
 inline Table li2018_table1(double duration) {
   const double s = 1 / std::numbers::sqrt3, half_pi = std::numbers::pi / 2;

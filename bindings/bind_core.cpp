@@ -124,6 +124,12 @@ void bind_signals(py::module_& m) {
   def_per_actuator(vehicle, "u_rate", &Vehicle<double>::u_rate, "(n,) N m/s");
   def_per_actuator(vehicle, "h_max", &Vehicle<double>::h_max,
                    "(n,) N m s, momentum at which a wheel gives no more; infinite: not known");
+  def_per_actuator(
+      vehicle, "u_quantum", &Vehicle<double>::u_quantum,
+      "(n,) N m, of on/off actuators one tick of the valve as a mean over the period; 0, or empty: continuous");
+  def_per_actuator(vehicle, "u_dead", &Vehicle<double>::u_dead, "(n,) N m, smallest command of these that acts");
+  def_per_actuator(vehicle, "u_gap", &Vehicle<double>::u_gap,
+                   "(n,) N m, smallest distance from u_up that they keep; what is nearer is u_up");
   def_mask(vehicle, "spare", &Vehicle<double>::spare, "actuators that are off until a detector enables them");
   def_mask(vehicle, "wheels", &Vehicle<double>::wheels, "actuators that store momentum");
   vehicle.def_readonly("orbit_rate", &Vehicle<double>::orbit_rate, "rad/s");

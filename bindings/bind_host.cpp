@@ -70,11 +70,13 @@ py::dict flight_model(const Compiled& c) {
   const py::dict vehicle("J_B"_a = to_python(host::write(v.J_B)), "D_B"_a = to_python(host::write(v.D_B)),
                          "u_lo"_a = to_python(host::write(v.u_lo)), "u_up"_a = to_python(host::write(v.u_up)),
                          "u_rate"_a = to_python(host::write(v.u_rate)), "h_max"_a = to_python(host::write(v.h_max)),
+                         "u_quantum"_a = to_python(host::write(v.u_quantum)),
+                         "u_dead"_a = to_python(host::write(v.u_dead)), "u_gap"_a = to_python(host::write(v.u_gap)),
                          "spare"_a = to_python(host::write(v.spare)), "wheels"_a = to_python(host::write(v.wheels)),
                          "orbit_rate"_a = v.orbit_rate,
                          "coordinates"_a = v.coordinates == Coordinates::body ? "body" : "euler_angles");
   return py::dict("dt"_a = m.setup.dt, "vehicle"_a = vehicle, "allow_unstable"_a = m.allow_unstable,
-                  "components"_a = components,
+                  "components"_a = components, "capacity"_a = m.capacity,
                   "bytes"_a = py::dict("double"_a = m.bytes_double, "float"_a = m.bytes_float));
 }
 

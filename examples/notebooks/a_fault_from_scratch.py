@@ -56,7 +56,7 @@ for name in ("truth.effectiveness", "estimate.effectiveness"):
 result.plot("truth.effectiveness", "estimate.effectiveness", "estimate.effectiveness_bound", "error.angle")
 
 # %% [markdown]
-# ## Six of the nine kinds
+# ## Six kinds
 
 # %%
 kinds = {

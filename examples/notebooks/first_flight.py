@@ -85,5 +85,5 @@ print(page)
 # ## Next
 #
 # - [Your own spacecraft](../../docs/tutorials/your_own_spacecraft.md): your inertia, your wheels, your sensors.
-# - [A fault from scratch](../../docs/tutorials/a_fault_from_scratch.md): nine kinds of fault, and how to know whether a flight can be saved at all.
+# - [A fault from scratch](../../docs/tutorials/a_fault_from_scratch.md): kinds of fault, and how to know whether a flight can be saved at all.
 # - [Which stack do I take?](../../docs/recommended.md) if you want the answer and not the tour.

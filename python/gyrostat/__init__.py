@@ -75,7 +75,7 @@ if TYPE_CHECKING:
     from gyrostat.shelf import scenarios
     from gyrostat.stacks import recommended
     from gyrostat.survival import survive
-    from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
+    from gyrostat.vehicle import Flexible, Initial, Thrusters, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
     from gyrostat.verification.requirements import verify
 
@@ -100,6 +100,7 @@ __all__ = [
     "Scenario",
     "Setup",
     "Shadow",
+    "Thrusters",
     "Truth",
     "Vehicle",
     "__version__",
@@ -160,7 +161,7 @@ _homes = {
     "shelf": ["scenarios"],
     "survival": ["survive"],
     "stacks": ["recommended"],
-    "vehicle": ["Flexible", "Initial", "Truth", "Vehicle"],
+    "vehicle": ["Flexible", "Initial", "Thrusters", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],
 }

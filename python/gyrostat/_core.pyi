@@ -107,12 +107,33 @@ class NominalVehicle:
     @spare.setter
     def spare(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
     @property
+    def u_dead(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m, smallest command of these that acts
+        """
+    @u_dead.setter
+    def u_dead(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def u_gap(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m, smallest distance from u_up that they keep; what is nearer is u_up
+        """
+    @u_gap.setter
+    def u_gap(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
     def u_lo(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (n,) N m
         """
     @u_lo.setter
     def u_lo(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def u_quantum(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) N m, of on/off actuators one tick of the valve as a mean over the period; 0, or empty: continuous
+        """
+    @u_quantum.setter
+    def u_quantum(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def u_rate(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """

@@ -23,6 +23,7 @@ from gyrostat.campaign import Campaign
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import file_errors, replacing_folder, write_text
 from gyrostat.scenario import Scenario, shipped
+from gyrostat.vehicle import with_thrusters
 
 CHANNELS = (
     "measurement.q_NB",
@@ -232,7 +233,7 @@ def score(
     about, labels = _read(Path(folder))
     campaign = Campaign.from_dict(about["campaign"])
     runs, cell = int(about["runs"]), about["cell"]
-    n = campaign.base.vehicle.actuators
+    n = campaign.base.D_B.shape[1]
     flights = _flights(Path(folder))
     flew = [run for run in range(runs) if flights[run]["status"] != REFUSED]
     by_run = {run: [c for r, *c in labels if r == run] for run in flew}
@@ -328,7 +329,7 @@ def _samples(flown: Any, run: int) -> dict[str, Any]:
 
 def _labelled(scenario: Scenario, run: int, t_end: float) -> list[dict[str, Any]]:
     tables = scenario.resolve()
-    u_max = np.broadcast_to(np.asarray(tables["vehicle"].get("u_max", math.inf), float), scenario.vehicle.actuators)
+    u_max = np.broadcast_to(np.asarray(with_thrusters(tables).get("u_max", math.inf), float), scenario.D_B.shape[1])
     return [
         {
             "run": run,
@@ -385,7 +386,7 @@ def _hidden(
     """Faults that the commands after them leave without a trace, or with that of another actuator."""
     from pyarrow import parquet
 
-    D = np.asarray(campaign.base.vehicle.D_B, float)
+    D = campaign.base.D_B
     names = [f"allocation.u.{i}" for i in range(D.shape[1])]
     silent = confused = 0
     with file_errors(folder / "samples.parquet", "cannot be read"):

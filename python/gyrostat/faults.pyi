@@ -194,3 +194,48 @@ def DeadZone(
     width
         smallest command that is delivered; N m; [0, inf]; default 0.0
     """
+
+def Leak(
+    *,
+    actuator: int,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+    fraction: float | None = ...,
+) -> Component:
+    """The fault 'leak'.
+
+    Parameters
+    ----------
+    actuator
+        which one, counted from 0; [0, 15]
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    fraction
+        of full thrust, while the valve is closed; [0, 1]; default 0.02
+    """
+
+def SlowValve(
+    *,
+    actuator: int,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+    delay_open: float | None = ...,
+    delay_close: float | None = ...,
+) -> Component:
+    """The fault 'slow_valve'.
+
+    Parameters
+    ----------
+    actuator
+        which one, counted from 0; [0, 15]
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    delay_open
+        from the drive to the opening; s; [0, 1000]; default 0.02
+    delay_close
+        from the end of the drive to the closing; s; [0, 1000]; default 0.0
+    """

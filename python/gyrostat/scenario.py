@@ -11,6 +11,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import PlainValidator, ValidationInfo, model_validator
 
 from gyrostat import _core, protocols, toml
@@ -19,7 +21,7 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.memory import available_memory
 from gyrostat.model import Model
 from gyrostat.text import shown
-from gyrostat.vehicle import Flexible, Initial, Truth, Vehicle
+from gyrostat.vehicle import Flexible, Initial, Thrusters, Truth, Vehicle, with_thrusters
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
@@ -137,6 +139,8 @@ class Scenario(Model):
         What really flies where it differs, and the state at t = 0.
     flexible
         Appendages of the true vehicle that bend.
+    thrusters
+        On/off thrusters, the actuators behind those of the vehicle's ``D_B``.
     navigator, observer, detector, controller, allocator
         Components of the flight stack, or Python objects with a ``step`` (see `gyrostat.protocols`).
     reference, integrator
@@ -181,6 +185,7 @@ class Scenario(Model):
     vehicle: Vehicle
     truth: Truth | None = None
     flexible: Flexible | None = None
+    thrusters: Thrusters | None = None
     initial: Initial | None = None
     navigator: _Navigator = None
     observer: _Observer = None
@@ -299,6 +304,11 @@ class Scenario(Model):
             for fault, t_on in onsets
             if t_on >= self.duration
         ]
+
+    @property
+    def D_B(self) -> NDArray[np.float64]:
+        """Axes of all actuators in columns, body frame, (3, n): the vehicle's and behind them the thrusters'."""
+        return np.asarray(with_thrusters(self.to_dict())["D_B"], dtype=float)
 
     def resolve(self) -> dict[str, Any]:
         """The scenario with every default filled in, as plain tables."""
@@ -453,7 +463,7 @@ def shipped() -> dict[str, Path]:
 
 def _table(value: Any) -> Any:
     """Plain form of a field of a scenario."""
-    if isinstance(value, Component | Vehicle | Truth | Flexible | Initial):
+    if isinstance(value, Component | Vehicle | Truth | Flexible | Thrusters | Initial):
         return value.to_dict()
     if isinstance(value, Model):
         return {k: _table(v) for k, v in value if v is not None}

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ import pytest
 import gyrostat as gs
 from gyrostat import _core
 from gyrostat.export import export
+from gyrostat.export.compiler import find_eigen
 from gyrostat.export.model import SAMPLES, flight_code
 
 ROLES = ("observer", "detector", "controller", "allocator")
@@ -69,6 +71,60 @@ def test_an_exported_stack_repeats_the_recorded_loop(target: str, tmp_path: Path
             [tmp_path / "out" / "build" / "self_test", path], capture_output=True, text=True, check=False
         )
         assert done.returncode == 1, signal
+
+
+def test_exports_for_vehicles_of_four_and_six_actuators_fly_in_one_program(tmp_path: Path) -> None:
+    """Each is compiled for its own size; together they command what they command alone."""
+    six = gs.Vehicle(
+        J_B=(20.0, 17.0, 15.0), D_B=np.hstack([np.eye(3), np.eye(3)[:, ::-1]]).tolist(), u_max=0.2, wheel_inertia=0.05
+    )
+    four = load("ftc_4rw")
+    scenarios = {"four": four, "six": four.replace(vehicle=six)}
+    codes = {name: export(s, "c", tmp_path / name, samples=2, name=name) for name, s in scenarios.items()}
+    assert [code.capacity for code in codes.values()] == [4, 8]
+    assert codes["four"].bytes["double"] < codes["six"].bytes["double"]
+    compiler = shlex.split(os.environ.get("CXX", "c++"))
+    objects = {}
+    for name in codes:
+        folder = tmp_path / name
+        objects[name] = str(folder / "stack.o")
+        includes = [f"-I{folder}", f"-I{folder / 'include'}", "-isystem", str(find_eigen())]
+        subprocess.run(
+            [*compiler, "-std=c++20", "-O0", *includes, "-c", str(folder / f"{name}.cpp"), "-o", objects[name]],
+            check=True,
+            timeout=600,
+        )
+
+    def commands(*names: str) -> list[str]:
+        steps = "\n".join(
+            f"""
+  static {n} {n}_flight;
+  if ({n}_init(&{n}_flight) != 0) return 1;
+  for (int k = 0; k < 50; ++k) {{
+    {n}_measurement y = {{0}};
+    {n}_reference r = {{0}};
+    {n}_command c;
+    y.tick = k;
+    y.q_NB[0] = r.q_NR[0] = 0.8; y.q_NB[1] = 0.6; r.q_NR[2] = 0.6;
+    y.omega_BN_B[2] = 1e-3 * k;
+    if ({n}_step(&{n}_flight, &y, &r, &c) != 0) return 1;
+    if (k == 49) for (int i = 0; i < {n.upper()}_ACTUATORS; ++i) printf("{n} %.17g\\n", c.u[i]);
+  }}"""
+            for n in names
+        )
+        source, program = tmp_path / "main.c", tmp_path / "main"
+        heads = "".join(f'#include "{n}.h"\n' for n in names)
+        source.write_text(f"#include <stdio.h>\n{heads}int main(void) {{{steps}\n  return 0;\n}}\n")
+        folders = [f"-I{tmp_path / n}" for n in names]
+        main = str(tmp_path / "main.o")
+        subprocess.run([os.environ.get("CC", "cc"), *folders, "-c", str(source), "-o", main], check=True, timeout=60)
+        subprocess.run([*compiler, main, *(objects[n] for n in names), "-o", str(program)], check=True, timeout=60)
+        return subprocess.run([program], capture_output=True, text=True, check=True, timeout=60).stdout.splitlines()
+
+    together = commands("four", "six")
+    assert together == commands("four") + commands("six")
+    assert len(together) == 10
+    assert all(float(line.split()[1]) != 0.0 for line in together)
 
 
 def test_in_float_it_is_the_same_law(tmp_path: Path) -> None:

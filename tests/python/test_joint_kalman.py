@@ -174,3 +174,37 @@ def test_an_actuator_that_comes_back_needs_a_limit(controller: str, dt: float) -
         fastest.append(float(np.linalg.norm(flown["truth.omega_BN_B"], axis=1).max()))
     assert fastest[0] < 0.1
     assert fastest[1] > 1.0, "the page says so"
+
+
+def test_a_tachometer_that_is_late_is_told_and_costs_nothing() -> None:
+    """Its delay is a data sheet's number; a filter that takes it for the present calls healthy wheels weak."""
+    fault = faults.LossOfEffectiveness(actuator=1, t_on=2.0, remaining=0.4)
+
+    def flown(delay: int, **observer: Any) -> gs.Result:
+        sensors = [gs.sensors.Gyro(noise=1e-5), gs.sensors.Attitude(noise=2e-5), gs.sensors.Tachometer(delay=delay)]
+        stack = {"observer": {"type": "joint_kalman"} | observer, "detector": {"type": "evidence", "drop": False}}
+        scenario = flight(fault, sensors=sensors, **stack)
+        return scenario.run(channels=[*CHANNELS, "truth.effectiveness", "detection.class", "detection.changed"])
+
+    on_time = flown(0)
+    for delay in (1, 3):
+        late = flown(delay)
+        assert late_rms(late) < 1.1 * late_rms(on_time)
+        e, half = late["estimate.effectiveness"], late["estimate.effectiveness_bound"]
+        assert np.mean((np.abs(e - late["truth.effectiveness"]) <= half * e)[1:]) > 0.95
+        classes = late["detection.class"]
+        assert list(np.flatnonzero(classes.any(axis=0))) == [1], "the wheel that failed and no other"
+        assert classes[late.t >= 8.0][0, 1] == 1, "a loss"
+    assert late_rms(flown(1, momentum_delay=0)) > 5.0 * late_rms(on_time)
+    assert late_rms(flown(1, momentum_delay=0, momentum_timing=1.0)) < 1.1 * late_rms(on_time)
+
+
+def test_the_delay_of_a_tachometer_is_shown_and_bounded() -> None:
+    sensors = [gs.sensors.Tachometer(delay=4)]
+    shown = flight(sensors=sensors, detector="evidence").resolve()
+    assert shown["observer"]["momentum_delay"] == 4
+    assert shown["detector"]["momentum_delay"] == 4
+    said = flight(sensors=sensors, observer={"type": "joint_kalman", "momentum_delay": 2}).resolve()
+    assert said["observer"]["momentum_delay"] == 2
+    with pytest.raises(gs.InputError, match=r"momentum_delay.*32"):
+        flight(sensors=[gs.sensors.Tachometer(delay=40)]).run()

@@ -195,6 +195,11 @@ def test_the_rate_interval_is_the_set_of_the_formula(n: int, share: float, log_p
         assert (log_e < math.log(20)) == (low < p < high)
 
 
+def test_more_failures_than_runs_are_no_interval() -> None:
+    with pytest.raises(ValueError, match="failures = 86 of runs = 82"):
+        rate_interval(82, 86)
+
+
 def test_passing_and_failing_campaigns_are_decided_in_time() -> None:
     random = np.random.default_rng(1)
     test = SequentialTest(0.01)

@@ -101,7 +101,7 @@ class Inputs:
         self.varied = tuple(Varied.of(key, drawn) for key, drawn in spec.vary.items())
         self.faults = tuple(SampledFault(entry) for entry in spec.fault)
         for fault in self.faults:
-            fault.check(base.vehicle.actuators)
+            fault.check(base.D_B.shape[1])
         self.correlated = tuple(spec.correlated)
         streams = [Stream(v.key, v.words) for v in self.varied]
         streams += [stream for fault in self.faults for stream in fault.streams()]

@@ -24,6 +24,7 @@ from gyrostat.design import (
     preassigned_time,
     predefined_time,
     sampled_loop,
+    thrusters,
     time_constants,
 )
 from gyrostat.design.compensation import (
@@ -50,6 +51,7 @@ CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     mixed_learning_tool.findings,
     preassigned_time.findings,
     predefined_time.findings,
+    thrusters.findings,
     time_constants.findings,
 )
 

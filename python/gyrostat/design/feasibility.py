@@ -12,6 +12,7 @@ from gyrostat.allocation import DEFAULT_RANK_TOLERANCE, AttainableSet, attainabl
 from gyrostat.design.finding import Finding
 from gyrostat.design.idle import faults_alone
 from gyrostat.scenario import Scenario
+from gyrostat.vehicle import with_thrusters
 
 Floats = NDArray[np.float64]
 
@@ -73,17 +74,24 @@ def _rank_tolerance(scenario: Scenario) -> float:
 def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
     """Axes (3, n) and limits (n,) that really fly; spares that nobody enables have none."""
     plain = scenario.resolve()
-    truth = plain.get("truth", {})
-    D = np.asarray(plain["vehicle"]["D_B"], float)
+    truth, vehicle = plain.get("truth", {}), with_thrusters(plain)
+    D = np.asarray(vehicle["D_B"], float)
     if truth.get("dD_B") is not None:
         D = D + np.asarray(truth["dD_B"], float)
 
+    own = (3, 0) if plain["vehicle"].get("D_B") is None else np.shape(plain["vehicle"]["D_B"])
+
     def limit(name: str, default: Floats) -> Floats:
-        value = truth.get(name, plain["vehicle"].get(name))
-        return default if value is None else np.broadcast_to(np.asarray(value, float), D.shape[1]).copy()
+        value = vehicle.get(name)
+        out = default if value is None else np.broadcast_to(np.asarray(value, float), D.shape[1]).copy()
+        if truth.get(name) is not None:  # of all but the thrusters
+            out[: own[1]] = truth[name]
+        return out
 
     up = limit("u_max", np.full(D.shape[1], np.inf))
     lo = limit("u_min", -up)
+    if truth.get("u_max") is not None and truth.get("u_min") is None and plain["vehicle"].get("u_min") is None:
+        lo[: own[1]] = -up[: own[1]]
     if plain["detector"]["type"] == "none":
         off = list(plain["vehicle"].get("spare", []))
         up[off] = lo[off] = 0.0

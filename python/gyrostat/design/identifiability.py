@@ -42,7 +42,7 @@ def findings(scenario: Scenario) -> list[Finding]:
 
 
 def _finding(scenario: Scenario, where: str, plain: Mapping[str, Any], left_out: str, gate: str | None) -> Finding:
-    D = np.asarray(scenario.vehicle.D_B, dtype=float)
+    D = scenario.D_B
     ignored = {int(i) for i in plain.get(left_out, [])}
     learned = [i for i in range(D.shape[1]) if i not in ignored]
     commands, what = _commands(scenario, learned)

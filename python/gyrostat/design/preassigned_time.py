@@ -73,12 +73,12 @@ def smallest_feasible_time(scenario: Scenario, tolerance: float = 1e-3) -> Feasi
 
 
 def findings(scenario: Scenario) -> list[Finding]:
-    """What ``gyrostat check`` says about a preassigned time; nothing without limits or for another law.
+    """What ``gyrostat check`` says about a preassigned time; nothing without limits, with thrusters or for another law.
 
     The smallest feasible time flies some twenty manoeuvres.
     """
     plain = scenario.resolve()
-    law, limit = plain["controller"], plain["vehicle"].get("u_max")
+    law, limit = plain["controller"], None if scenario.thrusters is not None else plain["vehicle"].get("u_max")
     if law.get("type") != _law or limit is None or not np.all(np.isfinite(np.asarray(limit, dtype=float))):
         return []
     where = f"controller {_law}"

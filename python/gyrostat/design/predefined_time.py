@@ -59,7 +59,7 @@ def torque_use(scenario: Scenario, factor: float = 1.0) -> float:
         Of T1 and T2.
     """
     law = _law(scenario)
-    limits = np.broadcast_to(np.asarray(_limit(scenario), dtype=float), np.shape(scenario.vehicle.D_B)[1:])
+    limits = np.broadcast_to(np.asarray(_limit(scenario), dtype=float), scenario.D_B.shape[1:])
     horizon = min(scenario.duration, factor * (law["T1"] + law["T2"]))
     samples = max(1, round(horizon / scenario.dt))
     flown = scenario.replace(
@@ -165,7 +165,7 @@ def _law(scenario: Scenario) -> dict[str, float]:
 
 
 def _limit(scenario: Scenario) -> object:
-    return scenario.resolve()["vehicle"].get("u_max")
+    return None if scenario.thrusters is not None else scenario.resolve()["vehicle"].get("u_max")
 
 
 __all__ = [

@@ -113,7 +113,7 @@ def trial(scenario: Scenario, effectiveness: Sequence[float] | float, size: floa
 
 def quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: float) -> dict[str, object]:
     """Changes of a scenario that leave only its loop, and an error at the start."""
-    D = np.asarray(scenario.vehicle.D_B, dtype=float)
+    D = scenario.D_B
     given = {} if scenario.truth is None else scenario.truth.to_dict()
     true = D + (np.asarray(given["dD_B"], dtype=float) if "dD_B" in given else 0.0)
     share = np.broadcast_to(np.asarray(effectiveness, dtype=float), D.shape[1])
@@ -130,6 +130,7 @@ def quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: floa
         "shadows": [],
         "record": None,
         "allow_unstable": True,
+        **({} if scenario.thrusters is None else {"thrusters.modulator": "proportional"}),  # without valves' dead band
     }
 
 
@@ -173,7 +174,7 @@ def left_by_faults(scenario: Scenario, most: int = 3) -> Array:
     NDArray
         Shape (k, n), k at most `most`, the weakest first; empty without faults.
     """
-    D = np.asarray(scenario.vehicle.D_B, dtype=float)
+    D = scenario.D_B
     if not scenario.faults:
         return np.empty((0, D.shape[1]))
     rows = np.unique(faults_alone(scenario, ["truth.effectiveness"])["truth.effectiveness"], axis=0)
@@ -219,7 +220,7 @@ def findings(scenario: Scenario, effectiveness: tuple[float, float] | None = Non
         text = f"an error of {np.rad2deg(SIZES[0]):.2g} deg or less does not die out with healthy actuators"
         return [Finding(where, "healthy", text, False)]
     found = [_healthy(where, margin.healthy, scenario.duration)]
-    D = np.asarray(scenario.vehicle.D_B, dtype=float)
+    D = scenario.D_B
     left = left_by_faults(scenario)
     low, high = effectiveness or (effectiveness_range(D, left) if len(left) else (1.0, 1.0))
     inside = margin.lowest <= low and high <= margin.highest

@@ -31,9 +31,8 @@ def write_header(code: FlightCode, folder: Path, namespace: str | None = None) -
     """``<name>.hpp``, and what it includes in ``include/``."""
     values = names(code) | _parts(code) | {"namespace": namespace or code.name}
     (folder / f"{code.name}.hpp").write_text(filled("cpp/flight.hpp", values), encoding="utf-8")
-    copy_headers(
-        [*BASE_HEADERS, "gyrostat/flight/facade.hpp", *(c.header for c in code.components)], folder / "include"
-    )
+    wanted = [*BASE_HEADERS, "gyrostat/flight/facade.hpp", *(c.header for c in code.components)]
+    copy_headers(wanted, folder / "include", code.capacity)
 
 
 def names(code: FlightCode) -> dict[str, object]:
@@ -94,6 +93,13 @@ def _vehicle(code: FlightCode) -> list[str]:
     lines += [f"v.D_B.resize(3, {n});", f"v.D_B << {filled_with(v['D_B'])};  // axes in columns"]
     for limit, unit in (("u_lo", "N m"), ("u_up", "N m"), ("u_rate", "N m/s"), ("h_max", "N m s")):
         lines += [f"v.{limit}.resize({n});", f"v.{limit} << {filled_with([v[limit]])};  // {unit}"]
+    if v["u_quantum"]:
+        for pulse, meaning in (
+            ("u_quantum", "a tick of the valves"),
+            ("u_dead", "least pulse"),
+            ("u_gap", "least pause"),
+        ):
+            lines += [f"v.{pulse}.resize({n});", f"v.{pulse} << {filled_with([v[pulse]])};  // N m, {meaning}"]
     for mask in ("spare", "wheels"):
         lines += [f"v.{mask}.set({i});" for i in v[mask]]
     if v["orbit_rate"]:

@@ -15,6 +15,8 @@ from gyrostat.files import file_errors, replacing_folder
 _package = Path(__file__).resolve().parents[1]
 _templates = Path(__file__).resolve().parent / "templates"
 _include = re.compile(r'^#include "(gyrostat/[^"]+)"', re.MULTILINE)
+_capacity = re.compile(r"inline constexpr int max_actuators = \d+;")
+_namespace = re.compile(r"^(namespace gyrostat)\b(?!::inline)", re.MULTILINE)
 _placeholder = re.compile(r"@(\w+)@")
 
 
@@ -41,8 +43,12 @@ def filled(template: str, values: Mapping[str, object]) -> str:
     return _placeholder.sub(lambda match: str(values[match[1]]), text)
 
 
-def copy_headers(wanted: list[str], into: Path) -> None:
-    """Copy the wanted headers of the library with all that they include of it, and its licence."""
+def copy_headers(wanted: list[str], into: Path, capacity: int) -> None:
+    """Copy the wanted headers of the library with all that they include of it, and its licence.
+
+    The copies are of a library for `capacity` actuators: its storage is inline. They are types of their own, so that
+    code for several vehicles links into one program.
+    """
     roots, licence, _ = _library()
     missing = list(wanted)
     seen: set[str] = set()
@@ -57,9 +63,13 @@ def copy_headers(wanted: list[str], into: Path) -> None:
         text = source.read_text(encoding="utf-8")
         target = into / name
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
+        target.write_text(_namespace.sub(rf"\1::inline actuators_{capacity}", _sized(text, capacity)), encoding="utf-8")
         missing += _include.findall(text)
     shutil.copyfile(licence, into / "gyrostat" / "LICENSE")
+
+
+def _sized(text: str, capacity: int) -> str:
+    return _capacity.sub(f"inline constexpr int max_actuators = {capacity};", text)
 
 
 def copy_notices(into: Path) -> None:

@@ -105,6 +105,8 @@ class FlightCode:
     vehicle: Mapping[str, Any]
     components: tuple[ComponentCode, ...]
     allow_unstable: bool
+    capacity: int
+    """Most actuators that the library is compiled for: its storage is inline."""
     bytes: Mapping[str, int]
     """At least the size of the stack for each scalar, with Eigen aligned to 16."""
     columns: Mapping[str, int]
@@ -152,6 +154,7 @@ def flight_code(scenario: Scenario, *, scalar: str, samples: int, name: str | No
         vehicle=model["vehicle"],
         components=components,
         allow_unstable=model["allow_unstable"],
+        capacity=model["capacity"],
         bytes=model["bytes"],
         columns=columns,
         rows=rows,

@@ -15,6 +15,7 @@ from gyrostat.page import geometry, marks, panels
 from gyrostat.page.packing import clock, cost, pack, pack_indices
 from gyrostat.results import Result
 from gyrostat.thinning import within
+from gyrostat.vehicle import with_thrusters
 
 Array = NDArray[np.float64]
 
@@ -111,7 +112,7 @@ def content(runs: Mapping[str, Result]) -> Content:
 
 
 def _run(label: str, result: Result, color: int, budget: int) -> tuple[dict[str, Any], int]:
-    vehicle = result.description["vehicle"]
+    vehicle = with_thrusters(result.description)
     arrows = _arrows(result)
     per_actuator = {
         key: result.channels[name]
@@ -164,7 +165,7 @@ def _marks(result: Result) -> list[dict[str, Any]]:
 
 def _arrows(result: Result) -> list[tuple[str, str, str, Array]]:
     """Vectors in body axes: the total momentum, the torque that the actuators gave, the lumped torque."""
-    vehicle = result.description["vehicle"]
+    vehicle = with_thrusters(result.description)
     D = np.asarray(vehicle["D_B"], dtype=float)
     found: list[tuple[str, str, str, Array]] = []
     rate, h = (result.channels.get(name) for name in ("truth.omega_BN_B", "truth.h_w"))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gyrostat.metrics import DEFAULT_BAND
 from gyrostat.results import Result
+from gyrostat.vehicle import with_thrusters
 
 Array = NDArray[np.float64]
 Style = Literal["solid", "true", "lower", "upper"]
@@ -151,7 +152,7 @@ def _largest(channel: str) -> Callable[[Result], Array]:
 
 def _command(result: Result) -> Panel:
     u = result["allocation.u"]
-    vehicle = result.description["vehicle"]
+    vehicle = with_thrusters(result.description)
     return Panel("command", "Command of each actuator", "N m", _columns(u, _numbers(u)), _limits(vehicle))
 
 

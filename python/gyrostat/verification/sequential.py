@@ -311,8 +311,15 @@ def rate_interval(runs: int, failures: int, alpha: float = 0.05) -> tuple[float,
         Whole numbers, ``0 <= failures <= runs``.
     alpha
         Probability that the interval ever misses the true rate, at most.
+
+    Raises
+    ------
+    ValueError
+        More failures than runs.
     """
     n, S = runs, failures
+    if not 0 <= S <= n:
+        raise ValueError(f"failures = {failures} of runs = {runs}: must be from 0 to runs")
     if n == 0:
         return 0.0, 1.0
 

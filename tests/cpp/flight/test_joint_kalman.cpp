@@ -136,6 +136,7 @@ struct DenseFilter {
   VectorXd s2_h, unrest;
   int seen = 0, opened = 0, projected = 0;
   std::vector<Measurement<double>> past;
+  std::vector<VecN<double>> us;
   VecN<double> u1;
   std::vector<VectorXd> means;
 
@@ -171,15 +172,24 @@ struct DenseFilter {
     u1 = VecN<double>::Zero(n);
     means.assign(3, VectorXd::Zero(3 + nw));
     past = {y};
+    us = {};
+  }
+
+  /// The command whose doing a momentum shows after the latest of `us`, and what it changed by.
+  VecN<double> shown(std::size_t ago) const {
+    const std::size_t back = ago + std::size_t(p.momentum_delay);
+    return back < us.size() ? us[us.size() - 1 - back] : VecN<double>(VecN<double>::Zero(n));
   }
 
   void step(const Measurement<double>& y, const VecN<double>& u) {
+    us.push_back(u);
+    const VectorXd uh = shown(0), duh = uh - VectorXd(shown(1));
     const MatrixXd J_inv = setup.vehicle.J_B.inverse();
     const VectorXd du = u - u1, e = x.segment(3 + nw, n), h = E() * VectorXd(y.h_w);
     if (past.size() > 1) {
       const Measurement<double>&y1 = past.back(), &y2 = past[past.size() - 2];
       const VectorXd t = y.omega_BN_B - 2 * y1.omega_BN_B + y2.omega_BN_B - dt * J_inv * D() * e.cwiseProduct(du);
-      const VectorXd th = h - 2 * E() * VectorXd(y1.h_w) + E() * VectorXd(y2.h_w) + dt * E() * e.cwiseProduct(du);
+      const VectorXd th = h - 2 * E() * VectorXd(y1.h_w) + E() * VectorXd(y2.h_w) + dt * E() * e.cwiseProduct(duh);
       ++seen;
       const auto mean = [&](double& s2, double s, double nominal) {
         s2 = seen <= 30 ? s2 + (s - s2) / seen : s2 + 0.01 * (std::min(s, 9 * s2) - s2);
@@ -192,7 +202,7 @@ struct DenseFilter {
     F.block(0, 3 + nw, 3, n) = dt * J_inv * D() * VectorXd(u).asDiagonal();
     F.block(0, 3 + nw + n, 3, nw) = dt * J_inv * D() * E().transpose();
     F.block(0, 3 + 2 * nw + n, 3, 3) = dt * J_inv;
-    F.block(3, 3 + nw, nw, n) = -dt * E() * VectorXd(u).asDiagonal();
+    F.block(3, 3 + nw, nw, n) = -dt * E() * uh.asDiagonal();
     F.block(3, 3 + nw + n, nw, nw) = -dt * MatrixXd::Identity(nw, nw);
     const auto gyro = [&](const Measurement<double>& m) -> Vec3<double> {
       return m.omega_BN_B.cross(setup.vehicle.J_B * m.omega_BN_B + setup.vehicle.D_B * m.h_w);
@@ -211,7 +221,7 @@ struct DenseFilter {
       Q(3 + nw + i, 3 + nw + i) =
           std::min(sq(p.q_e) * (1 + p.restless * unrest[i]) * dt, 1 - before(3 + nw + i, 3 + nw + i));
     for (int k = 0; k < nw; ++k) {
-      Q(3 + k, 3 + k) = sq(0.02 * dt * du[wheels[std::size_t(k)]]);
+      Q(3 + k, 3 + k) = sq(p.momentum_timing * dt * duh[wheels[std::size_t(k)]]);
       Q(3 + nw + n + k, 3 + nw + n + k) = sq(p.q_b * u_max(wheels[std::size_t(k)])) * dt;
     }
     P = F * before * F.transpose() + Q;
@@ -273,9 +283,12 @@ struct DenseFilter {
   }
 };
 
-TEST(JointKalman, IsTheDenseFilterOfItsModel) {
+/// Its momenta are shown `delay` samples late.
+void expect_the_dense_filter(int delay) {
   const auto setup = mixed();
   JointKalman<double>::Params p(setup);
+  p.momentum_delay = delay;
+  p.momentum_timing = delay > 0 ? 0.3 : p.momentum_timing;
   JointKalman<double> observer(unchecked, setup, p);
   DenseFilter oracle(setup, p);
   Plant plant(setup);
@@ -284,6 +297,7 @@ TEST(JointKalman, IsTheDenseFilterOfItsModel) {
   Measurement<double> y = plant.measured<double>(0, random, 1e-5, 1e-5);
   (void)observer.start(y);
   oracle.start(y);
+  std::vector<VecN<double>> momenta(std::size_t(delay) + 1, y.h_w);
   double worst_x = 0, worst_P = 0;
   for (int k = 1; k <= 600; ++k) {
     const VecN<double> u = exciting(setup, k);
@@ -293,6 +307,8 @@ TEST(JointKalman, IsTheDenseFilterOfItsModel) {
     if (k == 450) plant.effectiveness[0] = 0;
     plant.advance(u);
     y = plant.measured<double>(static_cast<Tick>(k), random, 1e-5, 1e-5);
+    momenta.push_back(y.h_w);
+    y.h_w = momenta[momenta.size() - 1 - std::size_t(delay)];
     (void)advance(observer, y, issued<double>(u));
     oracle.step(y, u);
     const VectorXd scale = oracle.P.diagonal().cwiseSqrt();
@@ -307,6 +323,9 @@ TEST(JointKalman, IsTheDenseFilterOfItsModel) {
   EXPECT_LT(worst_x, 1e-6);
   EXPECT_LT(worst_P, 1e-6);
 }
+
+TEST(JointKalman, IsTheDenseFilterOfItsModel) { expect_the_dense_filter(0); }
+TEST(JointKalman, IsTheDenseFilterOfItsModelWithMomentaThatAreShownLate) { expect_the_dense_filter(3); }
 
 template <class S>
 class JointKalmanOf : public testing::Test {};

@@ -27,11 +27,20 @@ Table base() {
   return s;
 }
 
+/// A pair about x, behind the wheels.
+Table thrusters() {
+  return Table{{"positions", List{row({0, 0.5, 0}), row({0, -0.5, 0})}},
+               {"directions", List{row({0, 0, 1}), row({0, 0, -1})}},
+               {"thrust", 0.1}};
+}
+
+bool of_a_valve(const std::string& fault) { return fault == "leak" || fault == "slow_valve"; }
+
 /// The part by its name, with what it needs beyond its defaults to do something.
 Table part(const std::string& family, const std::string& name) {
   Table t{{"type", name}};
   if (family == "fault") {
-    t.set("actuator", 1);
+    t.set("actuator", of_a_valve(name) ? 4 : 1);
     t.set("t_on", 0.2513);
   }
   if (name == "gyro" || name == "attitude") {
@@ -64,6 +73,7 @@ Table part(const std::string& family, const std::string& name) {
 Table with(const std::string& family, const std::string& name) {
   Table s = base();
   const Table chosen = part(family, name);
+  if (of_a_valve(name)) s.set("thrusters", thrusters());
   if (family == "fault" || family == "disturbance" || family == "sensor") {
     s.set(family + "s", List{chosen});
   } else if (family == "waveform") {
@@ -83,7 +93,8 @@ void expect_completed(const Table& scenario, const std::string& what) {
 TEST(ShortLoops, EveryPartOfTheCatalogueFlies) {
   int flown = 0;
   for (const auto& [family, names] : families()) {
-    if (family == "vehicle" || family == "truth" || family == "flexible" || family == "initial" || family == "run")
+    if (family == "vehicle" || family == "truth" || family == "flexible" || family == "thrusters" ||
+        family == "initial" || family == "run")
       continue;
     for (const std::string& name : names) {
       expect_completed(with(family, name), family + " " + name);
@@ -104,6 +115,18 @@ TEST(ShortLoops, AppendagesThatBend) {
   Table s = base();
   s.set("flexible", Table{{"delta", List{row({0.9, -0.4, 0.3}), row({0.1, 0.5, -0.7})}}, {"omega", row({1.5, 3})}});
   expect_completed(s, "flexible");
+}
+
+TEST(ShortLoops, ThrustersBesideWheels) {
+  for (const char* modulator : {"pwm", "pwpf", "proportional"}) {
+    Table s = base(), t = thrusters();
+    t.set("modulator", modulator);
+    t.set("propellant_mass", 1e-5);
+    s.set("thrusters", t);
+    s.set("faults", List{Table{{"type", "hard_over"}, {"actuator", 5}, {"t_on", 0.3337}}});  // runs dry
+    s.set("allocator", Table{{"type", "weighted_least_squares"}});
+    expect_completed(s, modulator);
+  }
 }
 
 TEST(ShortLoops, EveryObserverAsAShadow) {

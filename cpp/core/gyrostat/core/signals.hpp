@@ -27,9 +27,13 @@ struct Vehicle {
   VecN<S> u_lo, u_up;                 ///< N m, limits of the command; infinite when flight knows none
   VecN<S> u_rate;                     ///< N m/s, limit of its change; infinite when there is none
   VecN<S> h_max;                      ///< N m s, |h_w| at which a wheel gives no more; infinite, or empty: not known
-  Mask spare;                         ///< off until a detector enables them
-  Mask wheels;                        ///< actuators that store momentum (h_w)
-  S orbit_rate = S(0);                ///< rad/s, circular orbit
+  VecN<S>
+      u_quantum;  ///< N m, of on/off actuators: one tick of the valve, as a mean over the period; 0, or empty: continuous
+  VecN<S> u_dead;       ///< N m, smallest command of these that acts,
+  VecN<S> u_gap;        ///< N m, smallest distance from u_up that they keep: what is nearer is u_up
+  Mask spare;           ///< off until a detector enables them
+  Mask wheels;          ///< actuators that store momentum (h_w)
+  S orbit_rate = S(0);  ///< rad/s, circular orbit
   Coordinates coordinates = Coordinates::body;
 
   int actuators() const noexcept { return static_cast<int>(D_B.cols()); }

@@ -9,12 +9,12 @@ namespace gyrostat {
 /// Longest delay of a learning law, in samples.
 inline constexpr int max_delay = 64;
 
-/// Remembers the last `delay` values that were pushed, 1 <= delay <= max_delay; before that many, the initial one.
-template <class T>
+/// Remembers the last `delay` values that were pushed, 1 <= delay <= most; before that many, the initial one.
+template <class T, int most = max_delay>
 class DelayLine {
  public:
   DelayLine(int delay, const T& initial) noexcept : delay_(delay) {
-    assert(delay >= 1 && delay <= max_delay);
+    assert(delay >= 1 && delay <= most);
     fill(initial);
   }
 
@@ -33,7 +33,7 @@ class DelayLine {
  private:
   int delay_;
   int at_ = 0;
-  std::array<T, max_delay> values_;
+  std::array<T, static_cast<std::size_t>(most)> values_;
 };
 
 }  // namespace gyrostat

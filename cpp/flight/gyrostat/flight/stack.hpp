@@ -3,7 +3,8 @@
 ///
 /// Guard (guard.hpp says what is impossible): of an invalid measurement, attitude and rate are carried on by the model and
 /// teach nothing, an invalid reference holds the last valid one; an impossible output restarts its component and the previous
-/// command is issued again; the command is clipped to its box and its rate once more. Each sets a Flag in the status.
+/// command is issued again; the command is clipped to its box and its rate once more, and rounded to whole pulses where actuators
+/// are on/off (pulses.hpp). Each but the rounding sets a Flag in the status.
 ///
 ///     typename Stack::Params p(setup);  // defaults for the vehicle
 ///     p.controller.K = 2;
@@ -21,6 +22,7 @@
 #include "gyrostat/flight/estimator.hpp"
 #include "gyrostat/flight/inputs.hpp"
 #include "gyrostat/flight/navigation.hpp"
+#include "gyrostat/flight/pulses.hpp"
 
 namespace gyrostat {
 
@@ -73,6 +75,7 @@ class FlightStack {
         controller(std::move(controller_)),
         allocator(std::move(allocator_)),
         du_max_(setup.vehicle.u_rate * setup.dt),
+        pulses_(any_pulses(setup.vehicle)),
         geometry_(std::move(geometry)),
         last_(idle()) {}
 
@@ -176,7 +179,8 @@ class FlightStack {
   void clip_once_more(Allocation<Scalar>& a, const Estimate<Scalar>& x) const noexcept {
     const VecN<Scalar> lo = vehicle().u_lo.cwiseMax(last_.u - du_max_);
     const VecN<Scalar> up = vehicle().u_up.cwiseMin(last_.u + du_max_);
-    const VecN<Scalar> inside = clip<Scalar>(a.u, lo, up);
+    VecN<Scalar> inside = clip<Scalar>(a.u, lo, up);
+    if (pulses_) inside = as_pulses<Scalar>(vehicle(), inside);
     const bool outside = inside != a.u;
     a.u = inside;
     a.saturated = a.saturated | saturated<Scalar>(a.u, lo, up);
@@ -184,6 +188,7 @@ class FlightStack {
   }
 
   VecN<Scalar> du_max_;  ///< N m a sample
+  bool pulses_;          ///< some actuators are on/off
   [[no_unique_address]] G geometry_;
   Inputs<Scalar> inputs_;
   Demand<Scalar> demand_;

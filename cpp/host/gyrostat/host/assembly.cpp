@@ -129,6 +129,98 @@ Mat3<double> wheel_inertia_sum(const Mat3N<double>& axes, const VecN<double>& Js
   return sum;
 }
 
+/// Thrusters with what follows from where they sit: the axis of the torque of each, and how much it makes when open.
+struct ThrusterAxes {
+  truth::Thrusters thrusters;
+  Mat3N<double> D_B{3, 0};
+  VecN<double> torque;  // N m
+};
+
+Vec3<double> row_of_three(const std::vector<std::vector<double>>& rows, std::size_t i, const char* name) {
+  if (rows[i].size() != 3)
+    refuse("thrusters: " + std::string(name) + "[" + std::to_string(i) + "] has " + std::to_string(rows[i].size()) +
+           " numbers; three belong there");
+  return {rows[i][0], rows[i][1], rows[i][2]};
+}
+
+ThrusterAxes read_thrusters(const Table& scenario, double dt, int others) {
+  ThrusterAxes out;
+  const Table& table = block(scenario, "thrusters");
+  if (table.empty()) return out;
+  const Value* given = table.find("positions");
+  const List* rows = given == nullptr ? nullptr : given->as<List>();
+  const std::size_t k = rows == nullptr ? 0 : rows->size();
+  if (k == 0) refuse("thrusters: positions are missing: a row of three numbers a thruster");
+  if (static_cast<int>(k) + others > max_actuators)
+    refuse("thrusters: " + std::to_string(k) + " beside " + std::to_string(others) + " other actuators; at most " +
+           std::to_string(max_actuators) + " in all");
+  const ThrustersBlock t = read_params(ThrustersBlock{}, table, Place{"thrusters", static_cast<int>(k)});
+  if (t.directions.size() != k)
+    refuse("thrusters: directions has " + std::to_string(t.directions.size()) + " rows, positions " +
+           std::to_string(k) + "; one each belongs there");
+  if (t.thrust.size() == 0) refuse("thrusters: thrust is missing, N");
+  const VecN<double> Isp = or_constant(t.Isp, static_cast<int>(k), 220.0);
+  out.D_B.resize(3, static_cast<Eigen::Index>(k));
+  out.torque.resize(static_cast<Eigen::Index>(k));
+  for (std::size_t i = 0; i < k; ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const std::string who = "thrusters: thruster " + std::to_string(i);
+    const Vec3<double> n = row_of_three(t.directions, i, "directions");
+    if (!(n.norm() > 1e-9)) refuse(who + ": its direction is no direction, all zero");
+    const Vec3<double> n_B = n.normalized(),
+                       arm = (row_of_three(t.positions, i, "positions") - t.centre_of_mass).cross(n_B);
+    const double lever = arm.norm();
+    if (lever < 1e-6)
+      refuse(who + " makes no torque about the centre of mass: its lever is " + number_text(lever) + " m");
+    if (!(t.thrust[at] > 0)) refuse(who + ": thrust must be positive");
+    if (!(Isp[at] > 0)) refuse(who + ": Isp must be positive");
+    out.D_B.col(at) = arm / lever;
+    out.torque[at] = t.thrust[at] * lever;
+    out.thrusters.each.push_back({n_B, lever, Isp[at]});
+  }
+  out.thrusters.first = others;
+  out.thrusters.period = dt;
+  out.thrusters.tick = t.tick;
+  out.thrusters.min_on = t.min_on;
+  out.thrusters.min_off = t.min_off;
+  out.thrusters.align = static_cast<truth::Thrusters::Align>(t.align);
+  out.thrusters.modulator = static_cast<truth::Thrusters::Modulator>(t.modulator);
+  out.thrusters.pwpf = {t.pwpf_gain, t.pwpf_time_constant, t.pwpf_on, t.pwpf_off};
+  out.thrusters.propellant_mass = t.propellant_mass;
+  if (const std::string error = out.thrusters.check(); !error.empty()) refuse(error);
+  return out;
+}
+
+/// `v` and behind it `more`.
+VecN<double> joined(const VecN<double>& v, const VecN<double>& more) {
+  VecN<double> out(v.size() + more.size());
+  out << v, more;
+  return out;
+}
+
+/// Behind the other actuators.
+void add_thrusters(const ThrusterAxes& more, Assembly& a, VecN<double>& wheel_inertia) {
+  Vehicle<double>& vehicle = a.setup.vehicle;
+  if (vehicle.coordinates != Coordinates::body) refuse("thrusters: they fly on body coordinates");
+  const int n = vehicle.actuators();
+  const auto k = more.D_B.cols();
+  const VecN<double> zero = VecN<double>::Zero(k), infinite = VecN<double>::Constant(k, detail::infinite);
+  Mat3N<double> D_B(3, n + k);
+  D_B << vehicle.D_B, more.D_B;
+  vehicle.D_B = D_B;
+  vehicle.u_lo = joined(vehicle.u_lo, zero);
+  vehicle.u_up = joined(vehicle.u_up, more.torque);
+  vehicle.u_rate = joined(vehicle.u_rate, infinite);
+  vehicle.h_max = joined(vehicle.h_max, infinite);
+  wheel_inertia = joined(wheel_inertia, zero);
+  a.plant.actuators.thrusters = more.thrusters;
+  if (more.thrusters.modulator != truth::Thrusters::Modulator::pwm) return;
+  const VecN<double> tick = more.torque / more.thrusters.ticks(), others = VecN<double>::Zero(n);
+  vehicle.u_quantum = joined(others, tick);
+  vehicle.u_dead = joined(others, tick * more.thrusters.min_on);
+  vehicle.u_gap = joined(others, tick * more.thrusters.min_off);
+}
+
 void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inertia) {
   Table table = block(scenario, "vehicle");
   if (table.empty()) refuse("vehicle is missing: J_B and D_B at least");
@@ -136,13 +228,29 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
   VehicleBlock axes;
   Place place{"vehicle"};
   const Value* D = table.find("D_B");
-  if (D == nullptr) place.refuse("D_B is missing: actuator axes in columns, body frame");
-  read(*D, Key{place, "D_B", -1e6, 1e6}, axes.D_B);
+  const bool only_thrusters = (D == nullptr || D->is_none()) && !block(scenario, "thrusters").empty();
+  if (only_thrusters) {
+    axes.D_B.resize(3, 0);
+  } else {
+    if (D == nullptr) place.refuse("D_B is missing: actuator axes in columns, body frame");
+    read(*D, Key{place, "D_B", -1e6, 1e6}, axes.D_B);
+  }
   const int n = static_cast<int>(axes.D_B.cols());
   place.actuators = n;
-  const VehicleBlock v = read_params(VehicleBlock{}, table, place);
+  const ThrusterAxes more = read_thrusters(scenario, a.run.dt, n);
+  const auto k = more.D_B.cols();
+  VehicleBlock given;
+  if (only_thrusters) given.D_B = axes.D_B;
+  if (const Value* spare = table.find("spare"); k > 0 && spare != nullptr && !spare->is_none()) {  // of all actuators
+    const Place all{"vehicle", n + static_cast<int>(k)};
+    read(*spare, Key{all, "spare"}, a.setup.vehicle.spare);
+    table.set("spare", List{});
+  }
+  const VehicleBlock v = read_params(given, table, place);
   check_inertia(v.J_B, "vehicle: J_B");
-  check_rank(v.D_B, "vehicle: D_B");
+  Mat3N<double> all_axes(3, n + k);
+  all_axes << v.D_B, more.D_B;
+  check_rank(all_axes, k == 0 ? "vehicle: D_B" : "vehicle: D_B, with the thrusters' axes,");
 
   Vehicle<double>& vehicle = a.setup.vehicle;
   vehicle.D_B = v.D_B;
@@ -151,7 +259,7 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
   limits(v.u_max, v.u_min, vehicle.u_lo, vehicle.u_up, "vehicle");
   vehicle.u_rate = or_constant(v.u_rate, n, detail::infinite);
   vehicle.h_max = or_constant(v.momentum_max, n, detail::infinite);
-  vehicle.spare = v.spare;
+  vehicle.spare = vehicle.spare | v.spare;
   vehicle.orbit_rate = v.orbit_rate;
   vehicle.coordinates = v.coordinates;
   wheel_inertia = or_constant(v.wheel_inertia, n, 0.0);
@@ -168,6 +276,7 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
     }
   }
   vehicle.J_B = v.J_B - wheel_inertia_sum(v.D_B, wheel_inertia);
+  if (k > 0) add_thrusters(more, a, wheel_inertia);
   if (!(eigenvalues(vehicle.J_B)[0] > 0)) {
     refuse(
         "vehicle: J_B (of the whole vehicle) less the wheels' axial inertia is not positive definite; is J_B without "
@@ -178,8 +287,9 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
 void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_inertia) {
   const Vehicle<double>& nominal = a.setup.vehicle;
   const int n = nominal.actuators();
-  const TruthBlock t = read_params(TruthBlock{}, block(scenario, "truth"), Place{"truth", n});
   truth::PlantModel& plant = a.plant;
+  const int k = static_cast<int>(plant.actuators.thrusters.each.size());  // what follows is of the others, but for dD_B
+  const TruthBlock t = read_params(TruthBlock{}, block(scenario, "truth"), Place{"truth", n - k});
   plant.D_B = nominal.D_B;
   if (t.dD_B.cols() != 0) {
     if (t.dD_B.cols() != n)
@@ -192,14 +302,17 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   plant.J_B = nominal.J_B + t.dJ_B;
   plant.orbit_rate = nominal.orbit_rate;
   truth::Actuators& actuators = plant.actuators;
-  actuators.u_lo = nominal.u_lo;
-  actuators.u_up = nominal.u_up;
+  actuators.u_lo = nominal.u_lo.head(n - k);
+  actuators.u_up = nominal.u_up.head(n - k);
   limits(t.u_max, t.u_min, actuators.u_lo, actuators.u_up, "truth");
+  const VecN<double> zero = VecN<double>::Zero(k), infinite = VecN<double>::Constant(k, detail::infinite);
+  actuators.u_lo = joined(actuators.u_lo, nominal.u_lo.tail(k));
+  actuators.u_up = joined(actuators.u_up, nominal.u_up.tail(k));
   actuators.limit_on = t.limit_on == TruthBlock::LimitOn::command ? truth::LimitOn::command : truth::LimitOn::output;
   actuators.wheel_inertia = wheel_inertia;
-  actuators.viscous_friction = or_constant(t.viscous_friction, n, 0.0);
-  actuators.coulomb_friction = or_constant(t.coulomb_friction, n, 0.0);
-  actuators.momentum_max = t.momentum_max.size() != 0 ? t.momentum_max : nominal.h_max;
+  actuators.viscous_friction = joined(or_constant(t.viscous_friction, n - k, 0.0), zero);
+  actuators.coulomb_friction = joined(or_constant(t.coulomb_friction, n - k, 0.0), zero);
+  actuators.momentum_max = t.momentum_max.size() != 0 ? joined(t.momentum_max, infinite) : nominal.h_max;
   a.vehicles.D_true_B = plant.D_B;
 }
 
@@ -260,14 +373,15 @@ void read_faults(const Table& scenario, Assembly& a) {
 
 void read_initial(const Table& scenario, Assembly& a, const VecN<double>& wheel_inertia) {
   const int n = a.setup.vehicle.actuators();
-  const InitialBlock i = read_params(InitialBlock{}, block(scenario, "initial"), Place{"initial", n});
+  const int k = static_cast<int>(a.plant.actuators.thrusters.each.size());
+  const InitialBlock i = read_params(InitialBlock{}, block(scenario, "initial"), Place{"initial", n - k});
   const bool has_q = block(scenario, "initial").find("q_NB") != nullptr;
   const bool has_mrp = !i.mrp.hasNaN(), has_euler = !i.euler.hasNaN();
   if (int{has_q} + int{has_mrp} + int{has_euler} > 1) refuse("initial: give one of q_NB, mrp and euler");
   a.initial.q_NB = has_mrp ? quat_from_mrp(i.mrp) : has_euler ? quat_from_euler(i.euler) : i.q_NB;
   a.initial.euler = has_euler ? i.euler : euler(a.initial.q_NB);
   a.initial.omega_BN_B = i.omega_BN_B;
-  const VecN<double> speed = or_constant(i.wheel_speed, n, 0.0);
+  const VecN<double> speed = joined(or_constant(i.wheel_speed, n - k, 0.0), VecN<double>::Zero(k));
   a.initial.h_w = VecN<double>::Zero(n);
   for (int w = 0; w < n; ++w) {
     if (speed[w] != 0.0 && wheel_inertia[w] == 0.0) {
@@ -298,9 +412,10 @@ void read_run(const Table& scenario, Assembly& a) {
 
 void refuse_unknown_keys(const Table& scenario) {
   static const std::vector<std::string> known = {
-      "name",   "description", "duration",     "dt",        "seed",     "run_number", "allow_unstable", "vehicle",
-      "truth",  "flexible",    "initial",      "navigator", "observer", "detector",   "controller",     "allocator",
-      "faults", "shadows",     "disturbances", "reference", "sensors",  "record",     "integrator"};
+      "name",           "description",  "duration",  "dt",         "seed",      "run_number",
+      "allow_unstable", "vehicle",      "truth",     "flexible",   "thrusters", "initial",
+      "navigator",      "observer",     "detector",  "controller", "allocator", "faults",
+      "shadows",        "disturbances", "reference", "sensors",    "record",    "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 
@@ -323,17 +438,18 @@ Status<double> check_pair(const Assembly& a) {
                                coupling_of(c.allocators, a, a.allocator).effectiveness_floor);
 }
 
-/// Data sheets of the sensors, of which a navigator is told what it was not given. Never bias, scale factor, misalignment or outliers:
-/// those nobody knows in flight.
-void fill_from_sensors(Assembly& a) {
-  if (a.navigator.type == "python") return;
+/// Data sheets of the sensors, of which a component is told what it was not given. Never bias, scale factor, misalignment or
+/// outliers: those nobody knows in flight.
+template <class Base>
+void fill_from_sensors(const Assembly& a, const Family<Base>& family, ComponentSpec& spec) {
+  if (spec.type == "python") return;
   std::vector<ParamInfo> taken;  // asked only where a sensor has something to say
   const auto takes = [&](const char* key) {
-    if (taken.empty()) taken = catalogue().navigators.find(a.navigator.type, a.navigator.where).describe(a.setup);
+    if (taken.empty()) taken = family.find(spec.type, spec.where).describe(a.setup);
     return std::any_of(taken.begin(), taken.end(), [key](const ParamInfo& p) { return p.name == key; });
   };
   const auto tell = [&](const char* key, bool known, auto&& value) {
-    if (known && a.navigator.params.find(key) == nullptr && takes(key)) a.navigator.params.set(key, value());
+    if (known && spec.params.find(key) == nullptr && takes(key)) spec.params.set(key, value());
   };
   const auto square = [](double x) { return x * x; };
   for (const truth::Sensor& sensor : a.sensors) {
@@ -354,6 +470,19 @@ void fill_from_sensors(Assembly& a) {
       tell("q_BS", tracker->q_BS.w() != 1, [&] { return write(tracker->q_BS); });
       tell("latency", tracker->latency > 0, [&] { return tracker->latency; });
     }
+    if (const auto* tachometer = std::get_if<truth::Tachometer>(&sensor))
+      tell("momentum_delay", tachometer->delay > 0, [&] { return tachometer->delay; });
+  }
+}
+
+void fill_from_sensors(Assembly& a) {
+  const Catalogue& c = catalogue();
+  fill_from_sensors(a, c.navigators, a.navigator);
+  fill_from_sensors(a, c.observers, a.observer);
+  fill_from_sensors(a, c.detectors, a.detector);
+  for (auto& [observer, detector] : a.shadows) {
+    fill_from_sensors(a, c.observers, observer);
+    fill_from_sensors(a, c.detectors, detector);
   }
 }
 
@@ -412,7 +541,6 @@ Assembly assemble(const Table& scenario) {
       read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
   a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");
   a.navigator = component(block(scenario, "navigator"), "navigator", "none");
-  fill_from_sensors(a);
   a.observer = component(block(scenario, "observer"), "observer", "passthrough");
   a.detector = component(block(scenario, "detector"), "detector", "none");
   a.controller = component(block(scenario, "controller"), "controller", "mrp_feedback");
@@ -425,6 +553,7 @@ Assembly assemble(const Table& scenario) {
     a.shadows.emplace_back(component(block(pair, "observer"), where + ".observer", "passthrough"),
                            component(block(pair, "detector"), where + ".detector", "none"));
   }
+  fill_from_sensors(a);
   a.record = block(scenario, "record");
   return a;
 }

@@ -48,7 +48,9 @@ struct Assembly {
   RunBlock run;
   Tick ticks = 0;
   Setup<double> setup;
-  Counts counts() const { return {setup.vehicle.actuators(), static_cast<int>(plant.modes.size())}; }
+  Counts counts() const {
+    return {setup.vehicle.actuators(), static_cast<int>(plant.modes.size()), !plant.actuators.thrusters.each.empty()};
+  }
   Vehicles vehicles;
   truth::PlantModel plant;
   truth::InitialState initial;

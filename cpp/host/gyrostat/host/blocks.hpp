@@ -103,6 +103,43 @@ struct FlexibleBlock {
   }
 };
 
+/// On/off thrusters. They are the actuators after those of the vehicle's D_B; their axes and limits follow from where they sit.
+struct ThrustersBlock {
+  static constexpr const char* name = "thrusters";
+  enum class Align : std::uint8_t { start, centre };
+  enum class Modulator : std::uint8_t { pwm, pwpf, proportional };
+  std::vector<std::vector<double>> positions, directions;
+  VecN<double> thrust, Isp;
+  Vec3<double> centre_of_mass = Vec3<double>::Zero();
+  double tick = 0.001, propellant_mass = detail::infinite;
+  int min_on = 1, min_off = 1;
+  Align align = Align::start;
+  Modulator modulator = Modulator::pwm;
+  double pwpf_gain = 4.5, pwpf_time_constant = 0.15, pwpf_on = 0.45, pwpf_off = 0.15;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.positions, Field{"positions", "m", -1e3, 1e3, "where each thruster sits, body axes; a row of three each"});
+    field(p.directions, Field{"directions", "", -1e3, 1e3,
+                              "of the force of each on the body, against its jet; a row of three each, any length"});
+    field(p.thrust, Field{"thrust", "N", 0, 1e6, "force of each while its valve is open, > 0"});
+    field(p.centre_of_mass, Field{"centre_of_mass", "m", -1e3, 1e3, "of the vehicle, body axes"});
+    field(p.tick, Field{"tick", "s", 1e-6, 1e3, "a pulse is a whole number of ticks, a period too"});
+    field(p.min_on, Field{"min_on", "", 1, 1e6, "ticks of the shortest pulse; a shorter one is none"});
+    field(p.min_off, Field{"min_off", "", 1, 1e6, "ticks of the shortest pause in a period; a shorter one is none"});
+    field(p.align, Choice{"align", "start|centre", "where in its period a pulse lies"});
+    field(p.modulator,
+          Choice{"modulator", "pwm|pwpf|proportional",
+                 "pwm: a pulse a period; pwpf: pulse width and frequency, by a lag and a trigger with hysteresis; "
+                 "proportional: no valve, thrust as commanded"});
+    field(p.pwpf_gain, Field{"pwpf_gain", "", 1e-6, 1e6, "of the lag of the pwpf modulator"});
+    field(p.pwpf_time_constant, Field{"pwpf_time_constant", "s", 1e-6, 1e6, "of that lag"});
+    field(p.pwpf_on, Field{"pwpf_on", "", 0, 1e6, "its output at which the valve is opened"});
+    field(p.pwpf_off, Field{"pwpf_off", "", 0, 1e6, "and at which it is closed, below pwpf_on"});
+    field(p.Isp, Field{"Isp", "s", 0, 1e5, "specific impulse of each; absent: 220"});
+    field(p.propellant_mass, Field{"propellant_mass", "kg", 0, detail::infinite, "at t = 0; infinity: never runs dry"});
+  }
+};
+
 /// Length, period, seed and number of a run.
 struct RunBlock {
   static constexpr const char* name = "run";

@@ -125,6 +125,7 @@ std::vector<FamilyAccess> all_families() {
           access<truth::Integrator>("integrator"),
           access<std::variant<VehicleBlock>>("vehicle"),
           access<std::variant<FlexibleBlock>>("flexible"),
+          access<std::variant<ThrustersBlock>>("thrusters"),
           access<std::variant<TruthBlock>>("truth"),
           access<std::variant<InitialBlock>>("initial"),
           access<std::variant<RunBlock>>("run")};

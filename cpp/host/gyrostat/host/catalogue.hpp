@@ -16,8 +16,7 @@ namespace gyrostat::host {
 
 /// The class template behind a component, for code that is written from a scenario.
 struct CppClass {
-  std::string name;                               ///< "gyrostat::SaturatedPd", without its scalar
-  std::size_t bytes_double = 0, bytes_float = 0;  ///< size of an object
+  std::string name;  ///< "gyrostat::SaturatedPd", without its scalar
 };
 
 /// What a component with its parameters has to do with the estimates that others make or use.
@@ -76,7 +75,7 @@ Entry<Base> entry() {
           [params](const Setup<double>& setup, const Table& table, const Place& place) {
             return describe_params<Params>(params(setup, table, place));
           },
-          {class_name<T>(), sizeof(T), sizeof(Component<float>)}};
+          {class_name<T>()}};
 }
 
 template <class Base, template <class> class ModelOf, template <class> class... Component>

@@ -12,7 +12,7 @@ namespace gyrostat::host {
 
 namespace {
 
-constexpr int per_actuator = -1, per_mode = -2;
+constexpr int per_actuator = -1, per_mode = -2, of_thrusters = -3, of_thrusters3 = -4;
 
 void put(const Vec3<double>& v, double* out) { std::copy_n(v.data(), 3, out); }
 void put(const VecN<double>& v, double* out) { std::copy_n(v.data(), v.size(), out); }
@@ -62,7 +62,7 @@ double pointing_error(const Moment& m) {
 
 struct Known {
   const char* name;
-  int size;  // per_actuator, per_mode: one each
+  int size;  // per_actuator, per_mode: one each; of_thrusters: where there are any
   const char* unit;
   const char* meaning;
   void (*fill)(const Moment&, double*);
@@ -83,7 +83,14 @@ const Known known[] = {
     {"truth.eta", per_mode, "kg^1/2 m", "displacement of each mode of the appendages",
      [](M m, double* o) { put(m.now.eta, o); }},
     {"truth.eta_rate", per_mode, "kg^1/2 m/s", "its rate", [](M m, double* o) { put(m.now.eta_rate, o); }},
-    {"truth.delivered", per_actuator, "N m", "torque on the body that the actuators gave",
+    {"truth.propellant", of_thrusters, "kg", "propellant that the thrusters have used",
+     [](M m, double* o) { put(m.now.propellant, o); }},
+    {"truth.thruster_impulse_B", of_thrusters3, "N s", "integral of the thrusters' force in body axes",
+     [](M m, double* o) { put(m.now.thruster_impulse_B, o); }},
+    {"truth.thruster_force_B", of_thrusters3, "N", "force of the thrusters, mean over the interval",
+     [](M m, double* o) { put(m.truth().thruster_force_B, o); }},
+    {"truth.delivered", per_actuator, "N m",
+     "torque on the body that the actuators gave; thrusters: mean over the interval",
      [](M m, double* o) { put(m.truth().delivered, o); }, true},
     {"truth.effectiveness", per_actuator, "", "true effectiveness",
      [](M m, double* o) { put(m.truth().effectiveness, o); }, true},
@@ -186,12 +193,16 @@ const KnownOfShadow known_of_shadow[] = {
 };
 
 int width_of(int size, const Counts& counts) {
+  if (size == of_thrusters || size == of_thrusters3) return counts.thrusters ? (size == of_thrusters ? 1 : 3) : 0;
   return size == per_actuator ? counts.actuators : size == per_mode ? counts.modes : size;
 }
 
 /// `k` is a Known or a KnownOfShadow.
 ChannelInfo info_of(const std::string& name, const auto& k, const Counts& counts) {
-  const char* dimension = k.size == per_actuator ? "actuator" : k.size == 3 ? "axis" : k.size == 4 ? "quaternion" : "";
+  const char* dimension = k.size == per_actuator                   ? "actuator"
+                          : k.size == 3 || k.size == of_thrusters3 ? "axis"
+                          : k.size == 4                            ? "quaternion"
+                                                                   : "";
   return {name, width_of(k.size, counts), k.unit, k.meaning, dimension};
 }
 

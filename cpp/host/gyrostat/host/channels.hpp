@@ -23,6 +23,7 @@ struct ChannelInfo {
 /// How many of what a vehicle has: widths of channels.
 struct Counts {
   int actuators = 0, modes = 0;
+  bool thrusters = false;
 };
 
 /// The true vehicle beside the nominal one; channels compare them.

@@ -1,18 +1,29 @@
 // SPDX-License-Identifier: MIT
 #include "gyrostat/host/flight_model.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <stdexcept>
+
+#include "gyrostat/host/stack_sizes.hpp"
+
 namespace gyrostat::host {
 namespace {
 
-/// Each member on a boundary of 16 of its own: no less than what the compiler lays out.
-constexpr std::size_t padded(std::size_t bytes) { return (bytes + 15) / 16 * 16; }
+/// Of the least capacity that holds `actuators`.
+GyrostatPartSizes part_sizes(int actuators) {
+  const GyrostatPartSizes all[] = {gyrostat_part_sizes_4(), gyrostat_part_sizes_8(), gyrostat_part_sizes_16()};
+  return *std::find_if(std::begin(all), std::end(all), [&](const auto& s) { return s.capacity >= actuators; });
+}
 
-/// Members of FlightStack and Estimator beside the components.
-template <class S>
-constexpr std::size_t frame_bytes() {
-  return 2 * padded(sizeof(Vehicle<S>)) + padded(sizeof(Estimate<S>)) + padded(sizeof(Detection<S>)) +
-         padded(sizeof(VecN<S>)) + padded(sizeof(Measurement<S>)) + padded(sizeof(Reference<S>)) +
-         padded(sizeof(Demand<S>)) + padded(sizeof(Allocation<S>)) + padded(3 * sizeof(bool));
+const GyrostatPartSize& part_size(const GyrostatPartSizes& sizes, const std::string& role, const std::string& name) {
+  const auto is = [&](const GyrostatPartSize& p) {
+    return (p.role == nullptr ? "" : p.role) == role && p.name == name;
+  };
+  const auto* found = std::find_if(sizes.parts, sizes.parts + sizes.count, is);
+  if (found == sizes.parts + sizes.count)
+    throw std::invalid_argument(role + " " + name + ": only components of the library can be exported");
+  return *found;
 }
 
 template <class Base>
@@ -27,19 +38,21 @@ FlightComponent component(const Family<Base>& family, const Assembly& a, const C
 
 FlightModel flight_model(const Assembly& a) {
   const Catalogue& c = catalogue();
-  FlightModel m{a.setup, a.run.allow_unstable, {}, frame_bytes<double>(), frame_bytes<float>()};
+  FlightModel m{a.setup, a.run.allow_unstable, {}};
   m.components = {component(c.navigators, a, a.navigator), component(c.observers, a, a.observer),
                   component(c.detectors, a, a.detector), component(c.controllers, a, a.controller),
                   component(c.allocators, a, a.allocator)};
-  (void)make_stack(a, {});           // refuses what its components refuse
-  if (a.navigator.type != "none") {  // what it was given, and what it made of it
-    m.bytes_double += 2 * padded(sizeof(Measurement<double>));
-    m.bytes_float += 2 * padded(sizeof(Measurement<float>));
-  }
-  for (const FlightComponent& part : m.components) {
-    m.bytes_double += padded(part.cpp.bytes_double);
-    m.bytes_float += padded(part.cpp.bytes_float);
-  }
+  (void)make_stack(a, {});  // refuses what its components refuse
+  const GyrostatPartSizes sizes = part_sizes(a.setup.vehicle.actuators());
+  m.capacity = sizes.capacity;
+  const auto add = [&](const std::string& role, const std::string& name) {
+    const GyrostatPartSize& part = part_size(sizes, role, name);
+    m.bytes_double += part.bytes_double;
+    m.bytes_float += part.bytes_float;
+  };
+  add("", "frame");
+  if (a.navigator.type != "none") add("", "navigation");
+  for (const FlightComponent& part : m.components) add(part.role, part.name);
   return m;
 }
 

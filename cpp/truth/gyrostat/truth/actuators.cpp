@@ -46,8 +46,15 @@ std::string Actuators::check() const {
     if (!is_wheel(i) && (viscous_friction[i] > 0 || coulomb_friction[i] > 0))
       return who + "friction needs a wheel_inertia";
     if (!is_wheel(i) && std::isfinite(momentum_max[i])) return who + "momentum_max needs a wheel_inertia";
+    if (thrusters.has(i) && is_wheel(i)) return who + "a thruster is no wheel";
+    if (thrusters.has(i) && !(u_lo[i] == 0 && u_up[i] > 0 && std::isfinite(u_up[i])))
+      return who + "a thruster gives between nothing and a finite torque: u_min = 0 < u_max";
   }
-  return {};
+  if (!thrusters.each.empty() &&
+      (thrusters.first < 0 || thrusters.first + static_cast<int>(thrusters.each.size()) > n)) {
+    return "thrusters: there are more than actuators";
+  }
+  return thrusters.check();
 }
 
 template class FaultyActuatorsOf<Fault>;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// @file  Actuators as they really are: limits, wheels with friction, and the faults on top.
+/// @file  Actuators as they really are: limits, wheels with friction, thrusters with valves, and the faults on top.
 ///
-/// Over one control period the command is held, so what an actuator delivers is a function of time alone, but for
+/// Over one control period the command is held, so what an actuator delivers is a function of time alone (for a thruster one
+/// that jumps where its valve opens and closes), but for
 /// bearing friction (which depends on wheel speed and belongs to the equations of motion, see effectors/).
 /// Sign: command, delivered torque, effectiveness and bias act ON the body along the actuator's axis.
 #pragma once
@@ -12,6 +13,7 @@
 
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/truth/faults/list.hpp"
+#include "gyrostat/truth/thrusters.hpp"
 
 namespace gyrostat::truth {
 
@@ -26,13 +28,15 @@ struct Actuators {
   VecN<double> viscous_friction;  ///< N m s/rad, of the wheel speed relative to the body
   VecN<double> coulomb_friction;  ///< N m, magnitude of dry friction; at standstill it takes what is needed, up to that
   VecN<double> momentum_max;      ///< N m s, |h_w|; infinite when there is no limit
+  Thrusters thrusters;            ///< which of them are; u_lo = 0, u_up of full thrust
 
   /// n ideal torquers without limits.
   static Actuators ideal(int n);
 
   int size() const noexcept { return static_cast<int>(u_lo.size()); }
   bool is_wheel(int i) const noexcept { return wheel_inertia[i] > 0; }
-  Limits limits(int i) const noexcept { return {u_lo[i], u_up[i]}; }
+  bool has_valve(int i) const noexcept { return thrusters.on_off() && thrusters.has(i); }
+  Limits limits(int i) const noexcept { return {u_lo[i], u_up[i], has_valve(i)}; }
   /// What is wrong with the numbers; empty when nothing is.
   std::string check() const;
 };
@@ -47,12 +51,20 @@ class FaultyActuatorsOf {
   int size() const noexcept { return actuators_.size(); }
   const Actuators& actuators() const noexcept { return actuators_; }
 
-  /// Next onset, end or jump of any fault after t.
+  /// Next onset, end or jump of any fault, or edge of a valve, after t.
   double next_switch(double t) const noexcept;
   /// Begins the smooth piece that contains `branch` at time t, under the command held so far.
   void enter(double t, double branch) noexcept;
-  /// Holds a new command.
-  void command(const VecN<double>& u) noexcept;
+  /// Holds a new command. Where there are valves `at` and `until` say from when to when (no more than a period where
+  /// it is for ever), and a new piece begins with it.
+  void command(const VecN<double>& u, double at = 0, double until = infinity);
+  bool dry() const noexcept { return dry_; }
+  bool has_valves() const noexcept { return !valves_.empty(); }
+  /// The propellant is used up: thrusters give nothing from now on.
+  void run_dry() noexcept {
+    dry_ = true;
+    deliver_constants();
+  }
 
   /// Actuator i's delivered torque is constant until the next switch or command.
   bool constant(int i) const noexcept { return law_[static_cast<std::size_t>(i)].constant; }
@@ -80,7 +92,12 @@ class FaultyActuatorsOf {
   Effect combine(int i, double t) const noexcept;
   void deliver_constants() noexcept;
   double limited_output(int i, double torque) const noexcept;
-  double output(int i, const Effect& e) const noexcept { return limited_output(i, e.effectiveness * u_[i] + e.bias); }
+  double output(int i, const Effect& e) const noexcept {
+    if (dry_ && actuators_.thrusters.has(i)) return 0;
+    return limited_output(i, e.effectiveness * u_[i] + e.bias);
+  }
+  const Valve& valve(int i) const noexcept { return valves_[static_cast<std::size_t>(i - actuators_.thrusters.first)]; }
+  Span delays(int i, double t) const noexcept;
   /// The same law where the command is: nothing of it below the dead zone.
   Effect at_command(int i, Effect e) const noexcept {
     if (std::abs(u_[i]) < e.dead_zone) e.effectiveness = 0;
@@ -90,7 +107,10 @@ class FaultyActuatorsOf {
   Actuators actuators_;
   std::vector<List> faults_;
   std::vector<double> at_onset_;  ///< N m, what the actuator of each fault delivered when it began
-  VecN<double> u_;                ///< held command, limited when limits act on it
+  std::vector<Valve> valves_;     ///< of the thrusters
+  Mask closed_;                   ///< valves that are, on the current piece
+  bool dry_ = false;
+  VecN<double> u_;  ///< held command, limited when limits act on it; what valves make of it
   VecN<double> constant_delivered_;
   bool all_constant_ = true;
   double fastest_ = 0, branch_ = -infinity;  ///< the branch is before every onset until the first piece begins
@@ -113,6 +133,7 @@ FaultyActuatorsOf<List>::FaultyActuatorsOf(Actuators actuators, std::vector<List
   for (const List& fault : faults_) refuse_if(std::visit([&](const auto& f) { return check(f, limits); }, fault));
   refuse_if(contradiction(faults_));
   u_ = constant_delivered_ = VecN<double>::Zero(size());
+  if (actuators_.thrusters.on_off()) valves_.resize(actuators_.thrusters.each.size());
 }
 
 template <class List>
@@ -121,6 +142,7 @@ double FaultyActuatorsOf<List>::next_switch(double t) const noexcept {
   for (const List& fault : faults_) {
     next = std::min(next, std::visit([&](const auto& f) { return truth::next_switch(f, t); }, fault));
   }
+  for (const Valve& valve : valves_) next = std::min(next, valve.next_edge(t));
   return next;
 }
 
@@ -132,6 +154,12 @@ void FaultyActuatorsOf<List>::enter(double t, double branch) noexcept {
     at_onset_[k] = branch_ == -infinity ? 0.0 : delivered(window.actuator, t);
   }
   branch_ = branch;
+  for (int i = 0; i < size(); ++i) {
+    if (!actuators_.has_valve(i)) continue;
+    const bool open = valve(i).open(branch);
+    closed_.set(i, !open);
+    u_[i] = open ? actuators_.u_up[i] : 0;
+  }
   fastest_ = 0;
   all_constant_ = true;
   for (int i = 0; i < size(); ++i) {
@@ -165,10 +193,34 @@ void FaultyActuatorsOf<List>::deliver_constants() noexcept {
 }
 
 template <class List>
-void FaultyActuatorsOf<List>::command(const VecN<double>& u) noexcept {
-  u_ = u;
-  if (actuators_.limit_on == LimitOn::command) u_ = clip(u, actuators_.u_lo, actuators_.u_up);
+void FaultyActuatorsOf<List>::command(const VecN<double>& u, double at, double until) {
+  VecN<double> held = u;
+  if (actuators_.limit_on == LimitOn::command) held = clip(u, actuators_.u_lo, actuators_.u_up);
+  if (until == infinity) until = at + actuators_.thrusters.period;
+  for (std::size_t k = 0; k < valves_.size(); ++k) {
+    const int i = actuators_.thrusters.first + static_cast<int>(k);
+    const double level = std::clamp(u[i] / actuators_.u_up[i], 0.0, 1.0);
+    valves_[k].command(actuators_.thrusters, level, at, until, [&](double t) { return delays(i, t); });
+    held[i] = u_[i];  // until the new piece
+  }
+  u_ = held;
   deliver_constants();
+}
+
+/// By which the valve of actuator i is late at t.
+template <class List>
+Span FaultyActuatorsOf<List>::delays(int i, double t) const noexcept {
+  Span late{0, 0};
+  for (const List& fault : faults_) {
+    std::visit(
+        [&](const auto& f) {
+          if constexpr (requires { f.delay_open; }) {
+            if (f.window.actuator == i && f.window.holds(t)) late = {late.from + f.delay_open, late.to + f.delay_close};
+          }
+        },
+        fault);
+  }
+  return late;
 }
 
 /// Of all active faults of actuator i; after one that decides the output nothing else counts.
@@ -179,7 +231,7 @@ Effect FaultyActuatorsOf<List>::combine(int i, double t) const noexcept {
     const bool decided = std::visit(
         [&](const auto& f) {
           if (f.window.actuator != i || !f.window.holds(branch_)) return false;
-          f.apply(effect, At{t, branch_, actuators_.limits(i), at_onset_[k]});
+          f.apply(effect, At{t, branch_, actuators_.limits(i), at_onset_[k], !closed_.test(i)});
           return f.decides_output;
         },
         faults_[k]);

@@ -49,6 +49,13 @@ HeldPlant::HeldPlant(PlantModel& model, const InitialState& initial, double dt, 
   detail::refuse_if(stored_.size() != n || !stored_.allFinite(),
                     "plant: h_w must be finite, with one element an actuator");
   stored_rest_ = state_.h_w = VecN<double>::Zero(n);
+  impulse_ = impulse_rest_ = impulse_before_ = burnt_per_impulse_ = VecN<double>::Zero(n);
+  const Thrusters& thrusters = actuators_.actuators().thrusters;
+  detail::refuse_if(thrusters.on_off() && std::abs(thrusters.period - dt) > 1e-12 * dt,
+                    "plant: the thrusters' period must be dt");
+  for (int i = 0; i < n; ++i) {
+    if (thrusters.has(i)) burnt_per_impulse_[i] = 1 / (thrusters[i].lever * thrusters[i].Isp * Thrusters::g0);
+  }
   held_.J_B_inverse = J_B_inverse_;
   inverse_inertia_ = J_B_inverse_.norm();
   if (const auto* cvode = std::get_if<Cvode>(&model.integrator)) {
@@ -82,8 +89,11 @@ void HeldPlant::advance_to(const VecN<double>& u, double t_end) {
   detail::refuse_if(u.size() != actuators_.size(), "plant: the command must have one element an actuator");
   detail::refuse_if(!(t_end >= t_), "plant: cannot go back in time");
   if (t_ >= piece_end_ - snap) enter_piece();  // before the command: a lock freezes what was delivered until now
-  actuators_.command(u);
+  actuators_.command(u, t_, t_end);
+  if (actuators_.has_valves()) enter_piece();
   commanded_ = true;
+  impulse_before_ = impulse_ + impulse_rest_;
+  interval_began_ = t_;
   if (restart_each_sample_) restart_ = true;
   steps_before_ = steps();
   while (t_ < t_end) {
@@ -98,6 +108,7 @@ void HeldPlant::advance_to(const VecN<double>& u, double t_end) {
     }
   }
   publish();
+  show_thrust();
   state_.t = t_;
   tick_ = static_cast<Tick>(std::floor((t_ + snap) / dt_));
 }
@@ -132,11 +143,19 @@ void HeldPlant::step_towards(double stop) {
   }
   length_ = t1 - t_;
   fit_delivered(t1);
+  const double dry = dry_time(t1);
+  if (dry <= t_) return actuators_.run_dry();
+  if (dry < t1) {
+    t1 = dry;
+    length_ = t1 - t_;
+    fit_delivered(t1);
+  }
   if (!cvode_ || restart_) absorb_outer_impulse();
   t1 = fly_piece(t1);
   statistics_.pieces += static_cast<std::uint64_t>(pieces_);
   take_up_storage((t1 - t_) / length_);
   t_ = t1;
+  if (t_ >= dry) actuators_.run_dry();
   if (!std::isfinite(y_[0] + y_[1] + y_[2] + y_[3] + y_[4] + y_[5] + y_[6])) throw NonFiniteState(t_);
 }
 
@@ -242,6 +261,44 @@ void HeldPlant::take_up_storage(double x) noexcept {
     stored_rest_[i] = change - (sum - stored_[i]);
     stored_[i] = sum;
   }
+  const Thrusters& thrusters = actuators_.actuators().thrusters;
+  for (int i = thrusters.first; thrusters.has(i); ++i) {
+    const double change = impulse_rest_[i] + length_ * integral(delivered_[static_cast<std::size_t>(i)], x);
+    const double sum = impulse_[i] + change;
+    impulse_rest_[i] = change - (sum - impulse_[i]);
+    impulse_[i] = sum;
+  }
+}
+
+/// When the propellant is used up on the piece to t1, whose drives are fitted: not after t_ when it is; infinity: later.
+double HeldPlant::dry_time(double t1) const noexcept {
+  const double mass = actuators_.actuators().thrusters.propellant_mass;
+  if (!std::isfinite(mass) || actuators_.dry()) return infinity;
+  const double left = mass - burnt_per_impulse_.dot(impulse_ + impulse_rest_);
+  Cubic burning{};
+  for (int i = 0; i < actuators_.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k)
+      burning[k] += burnt_per_impulse_[i] * delivered_[static_cast<std::size_t>(i)][k];
+  }
+  const auto burnt = [&](double x) { return length_ * integral(burning, x); };
+  const double rounding = 1e-15 * mass, shortest = 1e-12 + 1e-15 * t_;  // s, that CVODE can start on
+  if (left <= rounding) return t_;
+  if (burnt(1) < left) return infinity;
+  const double x = degree_ == 0 ? left / burnt(1) : bisect(0, 1, 1e-15, [&](double z) { return burnt(z) >= left; });
+  const double t = t_ + x * length_;
+  return t - t_ < shortest ? t_ : t1 - t < shortest ? t1 : t;
+}
+
+/// What thrusters did: since the start, and on average over the interval.
+void HeldPlant::show_thrust() noexcept {
+  const Thrusters& thrusters = actuators_.actuators().thrusters;
+  state_.propellant = 0;
+  state_.thruster_impulse_B.setZero();
+  for (int i = thrusters.first; thrusters.has(i); ++i) {
+    const double impulse = impulse_[i] + impulse_rest_[i];
+    state_.propellant += burnt_per_impulse_[i] * impulse;
+    state_.thruster_impulse_B += impulse / thrusters[i].lever * thrusters[i].direction_B;
+  }
 }
 
 // ---- integration --------------------------------------------------------------------------------------------------------
@@ -293,6 +350,11 @@ TruthSample HeldPlant::sampled() const {
     s.effectiveness[i] = e.effectiveness;
     s.bias[i] = e.bias;
     s.delivered[i] = actuators_.delivered(i, t_);
+  }
+  const Thrusters& thrusters = actuators_.actuators().thrusters;
+  for (int i = thrusters.first; thrusters.has(i) && t_ > interval_began_; ++i) {
+    s.delivered[i] = (impulse_[i] + impulse_rest_[i] - impulse_before_[i]) / (t_ - interval_began_);
+    s.thruster_force_B += s.delivered[i] / thrusters[i].lever * thrusters[i].direction_B;
   }
   s.external_B = external_.torque_B(t_, state_.q_NB, state_.omega_BN_B);
   return s;

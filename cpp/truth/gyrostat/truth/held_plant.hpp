@@ -128,6 +128,8 @@ class HeldPlant {
   double least_steps(double length) const;
   void absorb_outer_impulse() noexcept;
   void take_up_storage(double x) noexcept;
+  double dry_time(double t1) const noexcept;
+  void show_thrust() noexcept;
 
   bool restart_each_sample_ = false;
   double pair_length_ = infinity;  ///< s, of its next step
@@ -137,6 +139,12 @@ class HeldPlant {
   bool restart_ = true;             ///< the right-hand side jumped
   std::uint64_t steps_before_ = 0;  ///< when the sample began
   double pieces_ = 0;               ///< what it counts for in the statistics
+
+  // Of thrusters:
+  VecN<double> impulse_, impulse_rest_;  ///< N m s, delivered so far, with what rounding keeps out of it
+  VecN<double> impulse_before_;          ///< when the interval began,
+  double interval_began_ = 0;            ///< s, at this time
+  VecN<double> burnt_per_impulse_;       ///< kg/(N m s)
 };
 
 template <int capacity, auto derivative, bool unit_quaternion, class Context>

@@ -38,20 +38,23 @@ struct InitialState {
 struct TruthState {
   double t = 0;  ///< s
   Quat<double> q_NB = Quat<double>::Identity();
-  Vec3<double> omega_BN_B = Vec3<double>::Zero();  ///< rad/s
-  VecN<double> h_w;                                ///< N m s
-  VecN<double> eta, eta_rate;                      ///< kg^1/2 m, kg^1/2 m/s, of the modes of appendages
+  Vec3<double> omega_BN_B = Vec3<double>::Zero();          ///< rad/s
+  VecN<double> h_w;                                        ///< N m s
+  VecN<double> eta, eta_rate;                              ///< kg^1/2 m, kg^1/2 m/s, of the modes of appendages
+  double propellant = 0;                                   ///< kg, that thrusters have used
+  Vec3<double> thruster_impulse_B = Vec3<double>::Zero();  ///< N s, integral of their force in body axes
   Vec3<double> angles = Vec3<double>::Zero();  ///< rad, roll, pitch, yaw of a plant whose states they are; else zero
 };
 
 /// The truth at one time, one-sided: faults and command are those of the interval that just ended. Before the first
-/// one nothing is commanded or delivered.
+/// one nothing is commanded or delivered. Of thrusters, what was delivered is the mean over the interval.
 struct TruthSample : TruthState {
   Vec3<double> omegadot_BN_B = Vec3<double>::Zero();  ///< rad/s^2
   VecN<double> delivered;      ///< N m on the body along each axis, limits and friction included: h_w' = -delivered
   VecN<double> effectiveness;  ///< of the faults
   VecN<double> bias;           ///< N m, of the faults
-  Vec3<double> external_B = Vec3<double>::Zero();  ///< N m
+  Vec3<double> external_B = Vec3<double>::Zero();        ///< N m
+  Vec3<double> thruster_force_B = Vec3<double>::Zero();  ///< N, mean over the interval
 };
 
 /// How quickly the truth's own motion goes on, beside what drives it.

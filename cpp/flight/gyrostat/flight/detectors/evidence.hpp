@@ -34,7 +34,7 @@ class EvidenceDetector {
     S z = S(5);
     S block;
     S momentum_noise;
-    S timing = S(1);
+    S momentum_delay = S(1);
     S failed_below = S(0.06);
     bool drop = true;
     S confirm = S(5);
@@ -53,7 +53,7 @@ class EvidenceDetector {
       field(p.momentum_noise,
             Field{"momentum_noise", "N m s", 1e-12, 1e6,
                   "of a usual tachometer; the noise in use is measured, a fiftieth of this its least"});
-      field(p.timing, Field{"timing", "samples", 0, 100, "age that a measured momentum may have"});
+      field(p.momentum_delay, Field{"momentum_delay", "samples", 0, 100, "most age of the momentum that is shown"});
       field(p.failed_below, Field{"failed_below", "", 0, 1, "gain that counts as stuck at zero"});
       field(p.drop, Switch{"drop", "wheels that are stuck for good are no longer used, where the others suffice"});
       field(p.confirm, Field{"confirm", "s", 0, 1e6, "for how long a wheel is stuck before it is dropped"});
@@ -151,7 +151,7 @@ class EvidenceDetector {
   void forget() noexcept {
     det_ = Detection<S>::none(vehicle_);
     named_ = recovered_ = declared_ = Mask{};
-    const WheelRules<S> rules{dt_, block(), params_.z, params_.timing, params_.failed_below, params_.confirm};
+    const WheelRules<S> rules{dt_, block(), params_.z, params_.momentum_delay, params_.failed_below, params_.confirm};
     for (int i = 0; i < vehicle_.actuators(); ++i) {
       const S most = vehicle_.h_max.size() == 0 ? std::numeric_limits<S>::infinity() : vehicle_.h_max[i];
       wheels_[i] = {rules, params_.tolerance * largest_command(vehicle_, i), params_.momentum_noise, most};

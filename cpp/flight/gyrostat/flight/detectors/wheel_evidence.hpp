@@ -14,7 +14,7 @@ struct WheelRules {
   S dt;            ///< s
   int block;       ///< samples
   S z;             ///< variances that noise may be
-  S timing;        ///< samples that a measurement may be late
+  S late;          ///< samples that a measurement may be late
   S failed_below;  ///< gain that is stuck at zero
   S confirm;       ///< s
 };
@@ -52,7 +52,7 @@ class WheelEvidence {
     ++count_;
     limited_ = limited_ || at_limit;
     if (count_ < length_) return false;
-    const S time = static_cast<S>(count_) * rules_.dt, late = rules_.timing * rules_.dt / time * (u - u_before_);
+    const S time = static_cast<S>(count_) * rules_.dt, late = rules_.late * rules_.dt / time * (u - u_before_);
     MomentumPair<S> pair;
     pair.delivered = (h_begin_ - h) / time;
     pair.commanded = sum_ / static_cast<S>(count_);

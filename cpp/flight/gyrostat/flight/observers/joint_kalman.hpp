@@ -2,7 +2,7 @@
 /// @file  Effectiveness of the actuators, torque of the wheels and disturbance in one Kalman filter, with a bound that holds.
 ///
 ///   J w' = -w x (J w + D h_w) + sum_i D_i del_i + d,   del_i = e_i u_i + b_i (wheel), e_i u_i (torquer)
-///   h_i' = -del_i (wheels);   e, b, d: random walks;   x = [w, h, e, b, d], measured: w, h
+///   h_i' = -del_i (wheels);   e, b, d: random walks;   x = [w, h, e, b, d], measured: w, h (of `momentum_delay` samples ago)
 ///
 /// The rate is a state and is not differenced: one tuning holds from 1 ms to 0.1 s. What a wheel delivers is read from its
 /// momentum, free of disturbance, inertia and gyro. A torquer has no b, which nothing could tell from d.
@@ -17,6 +17,7 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/flight/chart.hpp"
+#include "gyrostat/flight/delay_line.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/issued_effectiveness.hpp"
 #include "gyrostat/flight/observers/covariance.hpp"
@@ -35,16 +36,20 @@ class JointKalman {
   static constexpr Estimates estimates{.d_B = true, .effectiveness = true};
   static constexpr bool switching = true;  ///< openings, edges of e
 
+  static constexpr int most_momentum_delay = 32;  ///< samples
+
   struct Params {
     S rate_noise;
     S momentum_noise;
     bool use_momentum = true;
+    int momentum_delay = 0;
     S q_e = S(0.05);
     S q_b = S(0.01);
     S q_d = S(0.03);
     S restless = S(5);
     S inertia_error = S(0.2);
     S timing = S(0.5);
+    S momentum_timing = S(0.02);
     S gate = S(30);
     S e_min = default_effectiveness_floor<S>;
     S unknown_above = S(0.5);
@@ -54,6 +59,8 @@ class JointKalman {
                                 "standard deviation of the rate at start; then it is measured, down to a fiftieth"});
       field(p.momentum_noise, Field{"momentum_noise", "N m s", 1e-12, 1e9, "likewise of a wheel's momentum"});
       field(p.use_momentum, Switch{"use_momentum", "read the momentum of wheels; else they are taken for torquers"});
+      field(p.momentum_delay,
+            Field{"momentum_delay", "samples", 0, most_momentum_delay, "age of the momentum that is shown"});
       field(p.q_e, Field{"q_e", "1/sqrt(s)", 0, 1e3, "random walk of the effectiveness"});
       field(p.q_b, Field{"q_b", "1/sqrt(s)", 0, 1e3, "of a wheel's own torque, share of its largest command"});
       field(p.q_d, Field{"q_d", "1/sqrt(s)", 0, 1e3, "of the disturbance, share of the usable torque"});
@@ -62,6 +69,8 @@ class JointKalman {
       field(p.inertia_error, Field{"inertia_error", "", 0, 10,
                                    "share of a step of the command that may appear as a disturbance: inertia off"});
       field(p.timing, Field{"timing", "samples", 0, 10, "how late a step of the command may appear in the rate"});
+      field(p.momentum_timing,
+            Field{"momentum_timing", "samples", 0, 10, "likewise in the momentum of a wheel, beside `momentum_delay`"});
       field(p.gate, Field{"gate", "", 0, 1e6, "squared innovation that noise does not explain: the covariance opens"});
       field(p.e_min, Field{"e_min", "", 0, 1,
                            "smallest estimate; no less than the e_min of the allocator, or it would stay there"});
@@ -97,7 +106,8 @@ class JointKalman {
         n_w_(members(wheels_)),
         P_(6 + n_ + 2 * n_w_),
         rate_meter_(params.rate_noise),
-        momentum_meters_(filled<NoiseMeter<S>>(NoiseMeter<S>(params.momentum_noise))) {
+        momentum_meters_(filled<NoiseMeter<S>>(NoiseMeter<S>(params.momentum_noise))),
+        past_u_(std::clamp(params.momentum_delay, 1, most_momentum_delay), VecN<S>::Zero(n_)) {
     begin();
   }
 
@@ -112,18 +122,24 @@ class JointKalman {
   }
 
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const bool moved = y.event == event_ && credible(last.u);
+    const bool sensible = credible(last.u), moved = y.event == event_ && sensible;
     turn(y);
-    const VecN<S> du = moved ? VecN<S>(last.u - u_) : VecN<S>(VecN<S>::Zero(n_));
+    VecN<S> du = VecN<S>::Zero(n_), shown_du = du;
+    if (sensible) {
+      const VecN<S> shown = params_.momentum_delay > 0 ? past_u_.oldest() : last.u;
+      if (moved) du = last.u - u_, shown_du = shown - shown_u_;
+      u_ = last.u;
+      shown_u_ = shown;
+      past_u_.push(last.u);
+    }
     if (moved) {
-      meter(y, du);
-      predict(y, last.u);
+      meter(y, du, shown_du);
+      predict(y);
     } else {  // no motion leads here
       rate_known_ = momentum_known_ = false;
       rates_ = momenta_ = 0;
     }
-    if (credible(last.u)) u_ = last.u;
-    age(du);
+    age(du, shown_du);
     if (moved) open(y);
     measure(y);
     project();
@@ -217,6 +233,8 @@ class JointKalman {
     for (auto& gate : momentum_gates_) gate.start();
     unrest_.setZero(n_);
     u_.setZero(n_);
+    shown_u_ = u_;
+    past_u_.fill(u_);
     rates_ = momenta_ = 0;
     rate_known_ = momentum_known_ = false;
     openings_ = 0;
@@ -225,16 +243,18 @@ class JointKalman {
   /// A command a thousand times beyond sense says nothing about the motion.
   bool credible(const VecN<S>& u) const noexcept { return (u.array().abs() <= S(1e3) * u_max_.array()).all(); }
 
-  /// What e, b and d in `v` do to w and h in one interval: the upper right block of F, times v.
+  /// What e, b and d in `v` do to w and h in the last interval: the upper right block of F, times v. A momentum shows what an
+  /// older command did.
   template <class V>
-  Moving driven(const V& v, const VecN<S>& u) const noexcept {
+  Moving driven(const V& v) const noexcept {
     Moving out(moving());
     Vec3<S> torque_B = v.template tail<3>();
     for (int i = 0, k = 0; i < n_; ++i) {
-      S delivered = v[i] * u[i];
+      S delivered = v[i] * u_[i];
       if (wheels_.test(i)) {
         delivered += v[n_ + k];
-        out[h(k++)] = -dt_ * delivered;
+        out[h(k)] = -dt_ * (v[i] * shown_u_[i] + v[n_ + k]);
+        ++k;
       }
       torque_B += vehicle_.D_B.col(i) * delivered;
     }
@@ -243,7 +263,7 @@ class JointKalman {
   }
 
   /// Second differences less what the change of the command explains.
-  void meter(const Measurement<S>& y, const VecN<S>& du) noexcept {
+  void meter(const Measurement<S>& y, const VecN<S>& du, const VecN<S>& shown_du) noexcept {
     const VecN<S> change = x_.segment(e(0), n_).cwiseProduct(du);
     if (rates_ == 2 && y.rate_valid) {
       const Vec3<S> t = y.omega_BN_B - S(2) * omega_ + omega_1_ - dt_J_inv_ * torque<S>(vehicle_.D_B, change);
@@ -252,7 +272,7 @@ class JointKalman {
     if (momenta_ == 2 && y.momentum_valid) {
       for (int i = 0; i < n_; ++i) {
         if (!wheels_.test(i)) continue;
-        const S t = y.h_w[i] - S(2) * h_w_[i] + h_w_1_[i] + dt_ * change[i];
+        const S t = y.h_w[i] - S(2) * h_w_[i] + h_w_1_[i] + dt_ * (x_[e(i)] * shown_du[i]);
         momentum_meters_[static_cast<std::size_t>(i)].take(t * t / S(6));
       }
     }
@@ -260,9 +280,9 @@ class JointKalman {
 
   /// x and P over the interval. P_ms: motion against e, b, d. With A of `driven`, P_ms += A P_ss, P_mm += A H + H' A',
   /// H = P_sm + P_ss A' / 2: only what F moves is touched.
-  void predict(const Measurement<S>& y, const VecN<S>& u) noexcept {
+  void predict(const Measurement<S>& y) noexcept {
     const int m = moving(), s = P_.size() - m;
-    x_.head(m) += driven(x_.tail(s), u);
+    x_.head(m) += driven(x_.tail(s));
     x_.template head<3>() -=
         S(0.5) *
         (dt_J_inv_ * (gyroscopic(omega_, h_B_) + gyroscopic(y.omega_BN_B, y.axes.momentum_B(vehicle_.D_B, y.h_w))));
@@ -272,17 +292,18 @@ class JointKalman {
     Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, 0, most_driving, most_moving> step(s, m);  // P_ss A'
     Eigen::Matrix<S, Eigen::Dynamic, 3, 0, most_driving, 3> torque_B = P_ss.template rightCols<3>();
     for (int i = 0, k = 0; i < n_; ++i) {
-      Driving delivered = u[i] * P_ss.col(i);
+      Driving delivered = u_[i] * P_ss.col(i);
       if (wheels_.test(i)) {
         delivered += P_ss.col(n_ + k);
-        step.col(h(k++)) = -dt_ * delivered;
+        step.col(h(k)) = -dt_ * (shown_u_[i] * P_ss.col(i) + P_ss.col(n_ + k));
+        ++k;
       }
       for (int axis = 0; axis < 3; ++axis) torque_B.col(axis) += vehicle_.D_B(axis, i) * delivered;
     }
     step.template leftCols<3>() = torque_B.lazyProduct(dt_J_inv_.transpose());
     for (int c = 0; c < m; ++c) {
       const Driving half = P_.lower().col(c).tail(s) + S(0.5) * step.col(c);
-      const Moving moved = driven(half, u);
+      const Moving moved = driven(half);
       for (int r = 0; r < m; ++r) P_.lower()(std::max(r, c), std::min(r, c)) += r == c ? S(2) * moved[r] : moved[r];
     }
     P_.lower().block(m, 0, s, m) += step;
@@ -299,13 +320,13 @@ class JointKalman {
   }
 
   /// Process noise. A step of the command appears a little late in the rate, and as a torque where the inertia is off.
-  void age(const VecN<S>& du) noexcept {
+  void age(const VecN<S>& du, const VecN<S>& shown_du) noexcept {
     Vec3<S> step_B = Vec3<S>::Zero();
     for (int i = 0, k = 0; i < n_; ++i) {
       unrest_[i] /= S(1) + dt_ / S(60);
       widen_effectiveness(i, square(params_.q_e) * (S(1) + params_.restless * unrest_[i]) * dt_);
       if (wheels_.test(i)) {
-        P_.variance(h(k)) += square(S(0.02) * dt_ * du[i]);
+        P_.variance(h(k)) += square(params_.momentum_timing * dt_ * shown_du[i]);
         P_.variance(b(k++)) += square(params_.q_b * u_max_[i]) * dt_;
       }
       for (int axis = 0; axis < 3; ++axis) P_.variance(axis) += square(params_.timing * dt_J_inv_D_(axis, i) * du[i]);
@@ -354,7 +375,7 @@ class JointKalman {
   void open(int state, S v) noexcept {
     Vector column = Vector::Zero(P_.size());
     column[state] = S(1);
-    column.head(moving()) = driven(column.tail(P_.size() - moving()), u_);
+    column.head(moving()) = driven(column.tail(P_.size() - moving()));
     P_.widen(column, v);
   }
 
@@ -464,8 +485,10 @@ class JointKalman {
 
   Vec3<S> omega_ = Vec3<S>::Zero(), omega_1_ = Vec3<S>::Zero();  ///< as measured at the last two samples
   VecN<S> h_w_, h_w_1_;
-  Vec3<S> h_B_ = Vec3<S>::Zero();                     ///< N m s, stored at the last sample
-  VecN<S> u_;                                         ///< of the last interval with a command that was no nonsense
+  Vec3<S> h_B_ = Vec3<S>::Zero();  ///< N m s, stored at the last sample
+  VecN<S> u_;                      ///< of the last interval with a command that was no nonsense
+  VecN<S> shown_u_;                ///< whose doing the momentum shows: `momentum_delay` samples older
+  DelayLine<VecN<S>, most_momentum_delay> past_u_;
   int rates_ = 0, momenta_ = 0;                       ///< measured in a row, up to two
   bool rate_known_ = false, momentum_known_ = false;  ///< the prediction is worth comparing
   std::uint32_t event_ = 0, openings_ = 0;

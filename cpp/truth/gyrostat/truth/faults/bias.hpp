@@ -19,7 +19,9 @@ struct Bias {
 
   void waveforms(auto&& see) const { see(torque); }
   void apply(Effect& e, const At& at) const noexcept { e.bias += torque(at.t, at.branch); }
-  std::string check(const Limits&) const { return {}; }
+  std::string check(const Limits& limits) const {
+    return limits.valve ? "not of a thruster, a valve adds no torque of its own: leak, stuck or hard_over" : "";
+  }
 };
 
 }  // namespace gyrostat::truth

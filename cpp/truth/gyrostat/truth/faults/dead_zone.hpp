@@ -19,7 +19,11 @@ struct DeadZone {
 
   void waveforms(auto&&) const noexcept {}
   void apply(Effect& e, const At&) const noexcept { e.dead_zone = std::max(e.dead_zone, width); }
-  std::string check(const Limits&) const { return {}; }
+  std::string check(const Limits& limits) const {
+    return limits.valve
+               ? "not of a thruster, a valve has a shortest pulse (min_on of the thrusters): slow_valve or dead"
+               : "";
+  }
 };
 
 }  // namespace gyrostat::truth

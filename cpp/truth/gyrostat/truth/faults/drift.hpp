@@ -19,7 +19,9 @@ struct Drift {
 
   void waveforms(auto&&) const noexcept {}
   void apply(Effect& e, const At& at) const noexcept { e.bias += rate * (at.t - window.t_on); }
-  std::string check(const Limits&) const { return {}; }
+  std::string check(const Limits& limits) const {
+    return limits.valve ? "not of a thruster, a valve adds no torque that grows: leak, stuck or hard_over" : "";
+  }
 };
 
 }  // namespace gyrostat::truth

@@ -5,6 +5,7 @@
 /// its dead zone. Active faults of one actuator combine independently of their order:
 ///   - what multiplies the effectiveness and what adds to the bias does so, the one also where the other is zero;
 ///   - a fault that decides the output does so alone: of these only one may be active at a time.
+/// Of a thruster u_i is full thrust while its valve is open and zero else.
 /// A fault is active for t_on <= t < t_off.
 #pragma once
 #include <algorithm>
@@ -37,16 +38,19 @@ struct Window {
   std::string text() const;
 };
 
-/// Limits of one actuator, N m.
+/// Limits of one actuator, N m, and whether a valve opens and closes it: a thruster, which pushes one way.
 struct Limits {
   double lo = -infinity, up = infinity;
+  bool valve = false;
 };
 
-/// What a law may look at: time and branch, the actuator's limits, and what it delivered when the fault began (N m).
+/// What a law may look at: time and branch, the actuator's limits, what it delivered when the fault began (N m), and whether
+/// its valve is open.
 struct At {
   double t, branch;
   Limits limits;
   double at_onset;
+  bool open = true;
 };
 
 /// What the faults of one actuator amount to.

@@ -30,7 +30,11 @@ struct Intermittent {
     e.effectiveness *= remaining;
     e.bias += torque;
   }
-  std::string check(const Limits&) const { return {}; }
+  std::string check(const Limits& limits) const {
+    if (!limits.valve) return {};
+    if (torque != 0) return "a thruster has no torque beside its valve: leak, stuck or hard_over";
+    return remaining < 0 ? "remaining must not be negative: a thruster pushes one way" : "";
+  }
 };
 
 }  // namespace gyrostat::truth

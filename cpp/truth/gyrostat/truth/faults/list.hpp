@@ -7,12 +7,15 @@
 #include "gyrostat/truth/faults/drift.hpp"
 #include "gyrostat/truth/faults/hard_over.hpp"
 #include "gyrostat/truth/faults/intermittent.hpp"
+#include "gyrostat/truth/faults/leak.hpp"
 #include "gyrostat/truth/faults/lock.hpp"
 #include "gyrostat/truth/faults/loss_of_effectiveness.hpp"
+#include "gyrostat/truth/faults/slow_valve.hpp"
 #include "gyrostat/truth/faults/stuck.hpp"
 
 namespace gyrostat::truth {
 
-using Fault = FaultList<LossOfEffectiveness, Bias, StuckOutput, HardOver, Dead, Lock, Drift, Intermittent, DeadZone>;
+using Fault = FaultList<LossOfEffectiveness, Bias, StuckOutput, HardOver, Dead, Lock, Drift, Intermittent, DeadZone,
+                        Leak, SlowValve>;
 
 }  // namespace gyrostat::truth

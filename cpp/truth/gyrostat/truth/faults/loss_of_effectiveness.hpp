@@ -20,7 +20,10 @@ struct LossOfEffectiveness {
 
   void waveforms(auto&& see) const { see(remaining); }
   void apply(Effect& e, const At& at) const noexcept { e.effectiveness *= remaining(at.t, at.branch); }
-  std::string check(const Limits&) const { return {}; }
+  std::string check(const Limits& limits) const {
+    const bool negative = std::holds_alternative<ConstantWave>(remaining.kind()) && remaining(0) < 0;
+    return limits.valve && negative ? "remaining must not be negative: a thruster pushes one way" : "";
+  }
 };
 
 }  // namespace gyrostat::truth

@@ -19,7 +19,10 @@ struct StuckOutput {
 
   void waveforms(auto&&) const noexcept {}
   void apply(Effect& e, const At&) const noexcept { e = {0, torque, 0}; }
-  std::string check(const Limits&) const { return {}; }
+  std::string check(const Limits& limits) const {
+    const bool within = torque >= limits.lo && torque <= limits.up;
+    return !limits.valve || within ? "" : "torque must be between closed and open, 0 and the limit of the thruster";
+  }
 };
 
 }  // namespace gyrostat::truth
