@@ -136,10 +136,11 @@ def _members(members: list[ET.Element], *, level: int) -> Iterator[str]:
 
 
 def _type(member: ET.Element) -> str:
+    """Of a variable its type, of a name for a type what it stands for."""
     kind = "".join(t.itertext()) if (t := member.find("type")) is not None else ""
     if member.get("kind") == "typedef":
-        kind = re.sub(r"^using \S+ = (typedef )?", "", member.findtext("definition") or kind).replace("gyrostat::", "")
-    return _close(kind + (member.findtext("argsstring") or "" if member.get("kind") == "variable" else ""))
+        return _close((member.findtext("definition") or kind).partition(" = ")[2] or kind)
+    return _close(kind + (member.findtext("argsstring") or ""))
 
 
 def _close(code: str) -> str:

@@ -45,7 +45,7 @@ def main(folder: Path) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(picture, target)
     shutil.copytree(Path(__file__).parent / "assets", folder / "pages" / "assets")
-    (folder / "mkdocs.yml").write_text(_settings(sorted(texts)), encoding="utf-8")
+    (folder / "mkdocs.yml").write_text(_settings(list(texts)), encoding="utf-8")
 
 
 def _settings(pages: list[str]) -> str:
