@@ -144,8 +144,9 @@ def _type(member: ET.Element) -> str:
 
 
 def _close(code: str) -> str:
-    """``Mat3< S >`` as people write it."""
-    return re.sub(r"\s+(?=[>&*])", "", code.replace("< ", "<")).strip()
+    """``Mat3<S>& D`` as people write it, not ``Mat3< S > & D``."""
+    closed = re.sub(r"\s+(?=[>&*])", "", code.removeprefix("typedef ").replace("< ", "<"))
+    return re.sub(r"(?<=[\w>])([&*])(?=\w)", r"\1 ", closed).strip()
 
 
 def _signature(member: ET.Element) -> str:
