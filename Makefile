@@ -9,12 +9,16 @@ BIN := $(VENV)/bin
 OUT := out/report
 STEP := scripts/step
 FUZZ_SECONDS := 60
+# Debian's names of what is needed.
+FOR_RUN = $(shell scripts/find_python --packages) g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev
+FOR_TEST := libgtest-dev libgmock-dev chromium chromium-driver
+FOR_EMBEDDED := gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
 CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.hpp' -o -name '*.cpp')
-PACKAGE := CMakeLists.txt pyproject.toml README.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
+PACKAGE := CMakeLists.txt pyproject.toml docs/package.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp docs docs-serve headers asan asan-python python lint bench matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
-        debian-bench debian-embedded debian-fuzz debian-docs
+.PHONY: help run test cpp docs docs-serve headers asan asan-python python lint bench wheel release-check matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
+        debian-make-test debian-bench debian-embedded debian-fuzz debian-docs
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -22,7 +26,7 @@ help:  ## this list
 run: debian-run $(VENV)/package.stamp  ## install what is missing, reproduce every paper, leave a report in out/report
 	@$(BIN)/gyrostat reproduce all --out $(OUT)
 
-test: debian-test lint cpp asan python embedded-short  ## the same set-up, then all tests, types, stubs and format
+test: debian-make-test lint cpp asan python embedded-short  ## the same set-up, then all tests, types, stubs and format
 	@echo "all tests passed"
 
 cpp: debian-test  ## C++ libraries, optimised: the embedded contract, layers, an outside project
@@ -98,31 +102,40 @@ tidy: debian-test  ## clang-tidy over our own sources
 	@$(STEP) configure-dev cmake --preset dev
 	@$(STEP) clang-tidy run-clang-tidy -quiet -p build/dev 'cpp/(truth|host)/.*\.cpp$$'
 
+wheel: debian-run $(VENV)/wheel.stamp  ## dist/*.whl for any Linux of this processor, by way of the source distribution, and what auditwheel says of it
+	@scripts/wheel $(BIN)
+
+release-check: wheel $(VENV)/test.stamp  ## version, changelog, citation, wheel, source distribution and docs agree
+	@$(BIN)/python scripts/release_check
+
 clean:  ## everything that was made here
 	rm -rf build out dist $(VENV)
 
 debian-run:
-	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev
+	@scripts/debian_packages $(FOR_RUN)
 
 debian-test:
-	@scripts/debian_packages g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev libgtest-dev libgmock-dev chromium chromium-driver
+	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST)
 
-debian-fuzz: debian-run
-	@scripts/debian_packages clang libclang-rt-dev libomp-dev
+debian-make-test:  # all of `make test` at once: an administrator is asked once
+	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST) $(FOR_EMBEDDED)
 
-debian-embedded: debian-run
-	@scripts/debian_packages gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
+debian-fuzz:
+	@scripts/debian_packages $(FOR_RUN) clang libclang-rt-dev libomp-dev
 
 debian-docs:
 	@scripts/debian_packages doxygen
 
-debian-bench: debian-test
-	@scripts/debian_packages libbenchmark-dev
+debian-embedded:
+	@scripts/debian_packages $(FOR_RUN) $(FOR_EMBEDDED)
+
+debian-bench:
+	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST) libbenchmark-dev
 
 # The virtual environment carries the build requirements, so that a rebuild compiles only what changed. The module is
 # compiled by the compiler of `make cpp`, under the same name: ccache then finds truth and host there. The test tools bring
 # a CMake of their own into the environment; with it everything would be built once more.
-$(VENV)/venv.stamp: pyproject.toml
+$(VENV)/venv.stamp: pyproject.toml | debian-run
 	@scripts/make_venv $(VENV)
 	@touch $@
 
@@ -132,6 +145,10 @@ $(VENV)/package.stamp: $(VENV)/venv.stamp $(PACKAGE) | debian-run
 
 $(VENV)/docs.stamp: $(VENV)/venv.stamp
 	@$(STEP) install-docs-tools scripts/install_requirements $(BIN) project.optional-dependencies.docs
+	@touch $@
+
+$(VENV)/wheel.stamp: $(VENV)/venv.stamp
+	@$(STEP) install-wheel-tools scripts/install_requirements $(BIN) project.optional-dependencies.wheel
 	@touch $@
 
 $(VENV)/test.stamp: $(VENV)/venv.stamp

@@ -47,8 +47,8 @@ void def_quat(py::class_<C>& c, const char* name, T C::* member, const char* doc
   c.def_property(
       name, [member](const C& s) { return coefficients(s.*member); },
       [member, name](C& s, const ArrayLike& from) {
-        const auto c = given<Eigen::Vector4d>(from, name);
-        s.*member = Q(c[0], c[1], c[2], c[3]);
+        const auto q = given<Eigen::Vector4d>(from, name);
+        s.*member = Q(q[0], q[1], q[2], q[3]);
       },
       doc);
 }
@@ -131,8 +131,11 @@ void bind_signals(py::module_& m) {
   def_per_actuator(vehicle, "u_gap", &Vehicle<double>::u_gap,
                    "(n,) N m, smallest distance from u_up that they keep; what is nearer is u_up");
   def_mask(vehicle, "spare", &Vehicle<double>::spare, "actuators that are off until a detector enables them");
+  def_mask(vehicle, "magnetorquers", &Vehicle<double>::magnetorquers,
+           "actuators that are a dipole (A m^2); their D_B is zero but in the axes of a sample");
   def_mask(vehicle, "wheels", &Vehicle<double>::wheels, "actuators that store momentum");
   vehicle.def_readonly("orbit_rate", &Vehicle<double>::orbit_rate, "rad/s");
+  vehicle.def_readonly("moving_axes", &Vehicle<double>::moving_axes, "D_B is where they start; signals have `axes`");
 
   py::class_<Setup<double>>(m, "Setup", "What a component is built for: the nominal vehicle and the period dt (s).")
       .def_readonly("vehicle", &Setup<double>::vehicle)
@@ -150,7 +153,15 @@ void bind_signals(py::module_& m) {
   def_quat(y, "q_NB", &Measurement<double>::q_NB, "(4,) scalar first; sign continuous from the start");
   def_vector(y, "omega_BN_B", &Measurement<double>::omega_BN_B, "(3,) rad/s");
   def_per_actuator(y, "h_w", &Measurement<double>::h_w, "(n,) N m s");
+  def_per_actuator(y, "gimbal", &Measurement<double>::gimbal, "(n,) rad; (0,) without control moment gyros");
   y.def_readonly("euler", &Measurement<double>::euler);
+  def_vector(y, "field_B", &Measurement<double>::field_B, "(3,) T, magnetic field");
+  y.def_readwrite("field_valid", &Measurement<double>::field_valid, "False: field_B was not measured at this sample");
+  def_vector(y, "field_N", &Measurement<double>::field_N,
+             "(3,) T, the field as flight's model has it; zero: not known");
+  def_vector(y, "sun_B", &Measurement<double>::sun_B, "(3,) unit, direction to the sun");
+  y.def_readwrite("sun_valid", &Measurement<double>::sun_valid, "False: sun_B was not measured at this sample");
+  def_vector(y, "sun_N", &Measurement<double>::sun_N, "(3,) unit, the sun as the almanac has it; zero: not known");
   y.def_readwrite("attitude_valid", &Measurement<double>::attitude_valid,
                   "False: q_NB was not measured at this sample but carried on by the model");
   y.def_readwrite("rate_valid", &Measurement<double>::rate_valid,
@@ -183,6 +194,7 @@ void bind_signals(py::module_& m) {
                    "(n,) relative half-width; inf: never excited");
   def_vector(x, "d_B", &Estimate<double>::d_B, "(3,) N m, what effectiveness does not explain");
   x.def_readonly("axes", &Estimate<double>::axes);
+  def_vector(x, "field_B", &Estimate<double>::field_B, "(3,) T, magnetic field of the measurement");
   x.def_readonly("momentum_valid", &Estimate<double>::momentum_valid,
                  "False: h_w was not measured at this sample; the stack sets it");
   x.def_readonly("event", &Estimate<double>::event, "of the measurement: counts jumps that no motion explains");

@@ -63,9 +63,15 @@ py::dict flight_model(const Compiled& c) {
   const host::FlightModel m = host::flight_model(c.assembly);
   const Vehicle<double>& v = m.setup.vehicle;
   py::list components;
-  for (const host::FlightComponent& c : m.components) {
-    components.append(
-        py::dict("role"_a = c.role, "name"_a = c.name, "cpp"_a = c.cpp.name, "params"_a = parameters(c.params)));
+  for (const host::FlightComponent& part : m.components) {
+    components.append(py::dict("role"_a = part.role, "name"_a = part.name, "cpp"_a = part.cpp.name,
+                               "params"_a = parameters(part.params)));
+  }
+  py::list gyros;
+  for (const truth::ControlMomentGyro& g : m.gyros) {
+    gyros.append(py::dict("actuator"_a = g.channel, "gimbal_axis_B"_a = to_python(host::write(g.gimbal_axis_B)),
+                          "spin_axis_B"_a = to_python(host::write(g.spin_axis_B)),
+                          "rotor_momentum"_a = g.rotor_momentum));
   }
   const py::dict vehicle("J_B"_a = to_python(host::write(v.J_B)), "D_B"_a = to_python(host::write(v.D_B)),
                          "u_lo"_a = to_python(host::write(v.u_lo)), "u_up"_a = to_python(host::write(v.u_up)),
@@ -76,7 +82,7 @@ py::dict flight_model(const Compiled& c) {
                          "orbit_rate"_a = v.orbit_rate,
                          "coordinates"_a = v.coordinates == Coordinates::body ? "body" : "euler_angles");
   return py::dict("dt"_a = m.setup.dt, "vehicle"_a = vehicle, "allow_unstable"_a = m.allow_unstable,
-                  "components"_a = components, "capacity"_a = m.capacity,
+                  "components"_a = components, "gyros"_a = gyros, "capacity"_a = m.capacity,
                   "bytes"_a = py::dict("double"_a = m.bytes_double, "float"_a = m.bytes_float));
 }
 
@@ -334,6 +340,9 @@ void bind_host(py::module_& m) {
       .def(
           "free_frequencies", [](const Compiled& c) { return host::free_frequencies(c.assembly); },
           "rad/s, ascending, of the modes of its appendages on the body that is free to turn.")
+      .def(
+          "orbit_rate", [](const Compiled& c) { return c.assembly.setup.vehicle.orbit_rate; },
+          "rad/s, of its orbit; 0 without one.")
       .def("inner_rates", &inner_rates,
            "Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.")
       .def("channel_names", &channel_names, "components"_a = py::dict(), "Channels that a run of this scenario offers.")

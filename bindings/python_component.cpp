@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include <pybind11/eigen.h>
@@ -16,7 +17,8 @@ namespace py = pybind11;
 
 /// Owns the object; takes the GIL to let go of it.
 struct Release {
-  void operator()(py::object* object) const {
+  template <class Object>
+  void operator()(Object* object) const {
     const py::gil_scoped_acquire gil;
     delete object;
   }
@@ -24,6 +26,50 @@ struct Release {
 using Held = std::unique_ptr<py::object, Release>;
 
 Held hold(const py::object& object) { return Held(new py::object(object)); }
+
+/// A role that is no flight component: the object with one function, and what it says of a mistake.
+struct PythonFunction {
+  PythonFunction(const py::object& object, const Setup<double>& setup, const char* role, const char* name, Use use)
+      : who(std::string(role) + " " + class_name(object)), function(nullptr) {
+    if (!py::hasattr(object, name)) throw std::invalid_argument(who + " has no " + name + "(...)");
+    if (use == Use::fly && py::hasattr(object, "setup")) object.attr("setup")(setup);
+    function = hold(object.attr(name));
+    returned = who + "." + name + " returned";
+  }
+  std::string who, returned;
+  Held function;
+};
+
+/// Of a reference: `at(t)` gives q_NR, or (q_NR, omega_RN_R, omegadot_RN_R), or a Reference.
+class PythonReference {
+ public:
+  PythonReference(const py::object& object, const Setup<double>& setup, Use use)
+      : model_(std::make_shared<PythonFunction>(object, setup, "reference", "at", use)) {}
+
+  Reference<double> operator()(Tick, double t) const {
+    const py::gil_scoped_acquire gil;
+    const py::object out = (*model_->function)(t);
+    if (py::isinstance<Reference<double>>(out)) return py::cast<Reference<double>>(out);
+    Reference<double> r;
+    if (py::isinstance<py::tuple>(out) && py::len(out) == 3) {
+      const py::tuple parts(out);
+      attitude(parts[0], r);
+      copy_numbers(parts[1], 3, r.omega_RN_R, model_->returned);
+      copy_numbers(parts[2], 3, r.omegadot_RN_R, model_->returned);
+    } else {
+      attitude(out, r);
+    }
+    return r;
+  }
+
+ private:
+  void attitude(const py::object& out, Reference<double>& r) const {
+    Eigen::Vector4d q;
+    copy_numbers(out, 4, q, model_->returned);
+    r.q_NR = Quat<double>(q[0], q[1], q[2], q[3]);
+  }
+  std::shared_ptr<PythonFunction> model_;
+};
 
 /// Common half: the object with its functions, and what it says of a mistake.
 template <class Base>
@@ -223,22 +269,105 @@ std::function<std::unique_ptr<Base>(const Setup<double>&)> factory(const py::dic
   };
 }
 
+std::function<host::ReferencePath::Function(const Setup<double>&)> reference(const py::dict& objects, Use use) {
+  if (!objects.contains("reference")) return {};
+  const std::shared_ptr<py::object> object(new py::object(objects["reference"]), Release{});
+  return [object, use](const Setup<double>& setup) -> host::ReferencePath::Function {
+    const py::gil_scoped_acquire gil;
+    return PythonReference(*object, setup, use);
+  };
+}
+
+using Functions = std::vector<std::shared_ptr<PythonFunction>>;
+
+Functions functions(const py::dict& objects, const char* list, const char* role, const char* name,
+                    const Setup<double>& setup, Use use) {
+  Functions all;
+  if (!objects.contains(list)) return all;
+  for (const py::handle& object : py::cast<py::sequence>(objects[list])) {
+    all.push_back(std::make_shared<PythonFunction>(py::reinterpret_borrow<py::object>(object), setup, role, name, use));
+  }
+  return all;
+}
+
+/// Sensors, faults and disturbances, one after the other as they are listed.
+host::Outside outside_of(const py::dict& objects, const Setup<double>& setup, Use use) {
+  host::Outside outside;
+  if (const Functions all = functions(objects, "sensors", "sensor", "measure", setup, use); !all.empty()) {
+    outside.sensor = [all, n = setup.vehicle.actuators()](Measurement<double>& y) {
+      const py::gil_scoped_acquire gil;
+      const Tick tick = y.tick;
+      for (const auto& sensor : all) {
+        const py::object out = (*sensor->function)(y);
+        if (!py::isinstance<Measurement<double>>(out)) {
+          throw std::invalid_argument(sensor->returned + (out.is_none() ? " nothing (None)" : " a " + class_name(out)) +
+                                      "; a Measurement (the one it was given, changed) belongs there");
+        }
+        y = py::cast<Measurement<double>>(out);
+        y.tick = tick;
+        if (y.h_w.size() == n) continue;
+        throw std::invalid_argument(sensor->returned + " " + std::to_string(y.h_w.size()) + " numbers as h_w; " +
+                                    std::to_string(n) + " belong there, one an actuator");
+      }
+    };
+  }
+  if (const Functions all = functions(objects, "faults", "fault", "apply", setup, use); !all.empty()) {
+    outside.fault = [all](double t, VecN<double>& u) {
+      const py::gil_scoped_acquire gil;
+      for (const auto& fault : all) {
+        const Eigen::VectorXd given = u;
+        copy_numbers((*fault->function)(t, given), given.size(), u, fault->returned);
+        if (!u.allFinite()) throw std::invalid_argument(fault->returned + " a number that is not finite");
+      }
+    };
+  }
+  if (const Functions all = functions(objects, "disturbances", "disturbance", "torque_B", setup, use); !all.empty()) {
+    outside.torque_B = [all](double t, const Quat<double>& q, const Vec3<double>& omega_BN_B) {
+      const py::gil_scoped_acquire gil;
+      const Eigen::Vector4d q_NB(q.w(), q.x(), q.y(), q.z());
+      Vec3<double> sum = Vec3<double>::Zero();
+      for (const auto& disturbance : all) {
+        Vec3<double> torque_B;
+        copy_numbers((*disturbance->function)(t, q_NB, Eigen::Vector3d(omega_BN_B)), 3, torque_B,
+                     disturbance->returned);
+        sum += torque_B;
+      }
+      if (!sum.allFinite()) throw std::invalid_argument("disturbances: a torque that is not finite");
+      return sum;
+    };
+  }
+  return outside;
+}
+
+std::function<host::Outside(const Setup<double>&)> outside(const py::dict& objects, Use use) {
+  if (!objects.contains("sensors") && !objects.contains("faults") && !objects.contains("disturbances")) return {};
+  const std::shared_ptr<py::dict> held(new py::dict(objects), Release{});
+  return [held, use](const Setup<double>& setup) {
+    const py::gil_scoped_acquire gil;
+    return outside_of(*held, setup, use);
+  };
+}
+
 }  // namespace
 
 host::ExternalComponents python_components(const py::dict& objects, Use use) {
   for (const auto& [key, value] : objects) {
     const std::string role = py::cast<std::string>(key);
-    if (role != "navigator" && role != "observer" && role != "detector" && role != "controller" &&
-        role != "allocator") {
+    static const std::set<std::string> roles = {"navigator", "observer", "detector", "controller",  "allocator",
+                                                "reference", "sensors",  "faults",   "disturbances"};
+    if (!roles.contains(role)) {
       throw std::invalid_argument("components: no role '" + role +
-                                  "'; there are: navigator, observer, detector, controller, allocator");
+                                  "'; there are: navigator, observer, detector, controller, allocator, reference, "
+                                  "sensors, faults, disturbances");
     }
   }
   return {factory<PythonNavigator, host::NavigatorBase>(objects, "navigator", use),
           factory<PythonObserver, host::ObserverBase>(objects, "observer", use),
           factory<PythonDetector, host::DetectorBase>(objects, "detector", use),
           factory<PythonController, host::ControllerBase>(objects, "controller", use),
-          factory<PythonAllocator, host::AllocatorBase>(objects, "allocator", use)};
+          factory<PythonAllocator, host::AllocatorBase>(objects, "allocator", use),
+          reference(objects, use),
+          outside(objects, use)};
 }
 
 }  // namespace gyrostat::bindings

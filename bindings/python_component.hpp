@@ -5,7 +5,8 @@
 /// An object has `step(...)` with the arguments of its role, and may have `setup(setup)`, called once before the run,
 /// `start(...)`, called at the first sample instead of `step`, `skip(y, last)` (observers), called instead of `step` for an
 /// interval that taught nothing, `shift_rate(step)` (observers), called before `step` when a navigator has moved the rate by
-/// knowledge, and `reset()` (allocators). An object flies one run: who flies several copies it
+/// knowledge, and `reset()` (allocators). A reference has `at(t)`, a sensor `measure(y)`, a fault `apply(t, u)`, a disturbance
+/// `torque_B(t, q_NB, omega_BN_B)`, called between integrations. An object flies one run: who flies several copies it
 /// (Scenario.run does). Docs: docs/extending.md
 #pragma once
 #include <pybind11/pybind11.h>
@@ -17,7 +18,8 @@ namespace gyrostat::bindings {
 /// What components are made for: only a run calls an object's `setup`.
 enum class Use { fly, look };
 
-/// Components for the roles of `objects` (navigator, observer, detector, controller, allocator -> object). Needs the GIL.
+/// Components for the roles of `objects` (navigator, observer, detector, controller, allocator, reference -> object; sensors, faults,
+/// disturbances -> list of objects). Needs the GIL.
 host::ExternalComponents python_components(const pybind11::dict& objects, Use use);
 
 }  // namespace gyrostat::bindings

@@ -44,6 +44,7 @@ function(gyrostat_layer name)
     set(scope PUBLIC)
     add_library(${target} STATIC ${arg_SOURCES})
     gyrostat_flags(${target})
+    target_compile_options(${target} PRIVATE -Wsign-conversion)  # as flags of a user may ask of our headers; -Wpedantic would lose the precompiled one
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # the Python module links them
     gyrostat_precompile(${target})
   else()

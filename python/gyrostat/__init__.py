@@ -75,7 +75,7 @@ if TYPE_CHECKING:
     from gyrostat.shelf import scenarios
     from gyrostat.stacks import recommended
     from gyrostat.survival import survive
-    from gyrostat.vehicle import Flexible, Initial, Thrusters, Truth, Vehicle
+    from gyrostat.vehicle import ControlMomentGyros, Desaturation, Flexible, Initial, Orbit, Thrusters, Truth, Vehicle
     from gyrostat.verification.flown import rare, tune, worst
     from gyrostat.verification.requirements import verify
 
@@ -84,7 +84,9 @@ __all__ = [
     "Campaign",
     "CampaignResult",
     "Component",
+    "ControlMomentGyros",
     "Demand",
+    "Desaturation",
     "Detection",
     "Estimate",
     "Event",
@@ -94,6 +96,7 @@ __all__ = [
     "Initial",
     "InputError",
     "Measurement",
+    "Orbit",
     "Record",
     "Reference",
     "Result",
@@ -161,7 +164,7 @@ _homes = {
     "shelf": ["scenarios"],
     "survival": ["survive"],
     "stacks": ["recommended"],
-    "vehicle": ["Flexible", "Initial", "Thrusters", "Truth", "Vehicle"],
+    "vehicle": ["ControlMomentGyros", "Desaturation", "Flexible", "Initial", "Orbit", "Thrusters", "Truth", "Vehicle"],
     "verification.flown": ["rare", "tune", "worst"],
     "verification.requirements": ["verify"],
 }

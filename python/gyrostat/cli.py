@@ -522,6 +522,28 @@ def export(
 
 
 @app.command()
+def config(
+    include: Annotated[bool, typer.Option("--include", help="The folder of the headers alone.")] = False,
+    cmake: Annotated[bool, typer.Option("--cmake", help="The folder for `-Dgyrostat_DIR` alone.")] = False,
+) -> None:
+    """Say where this package holds the headers of the flight library; they need Eigen 3.4 and nothing else.
+
+    Examples: `cmake -B build -Dgyrostat_DIR=$(gyrostat config --cmake)`, `c++ -I$(gyrostat config --include) ...`
+    """
+    package = Path(__file__).absolute().parent
+    folders = {"include": package / "include", "cmake": package / "cmake"}
+    wanted = [name for name, asked in (("include", include), ("cmake", cmake)) if asked]
+    for name in wanted or folders:
+        if not folders[name].is_dir():
+            raise InputError(f"{folders[name]}: not part of this installation; a package that pip installed has it")
+    if wanted:
+        for name in wanted:
+            typer.echo(folders[name])
+    else:
+        printing.columns([("version", _core.__version__), *((name, str(folder)) for name, folder in folders.items())])
+
+
+@app.command()
 def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = None) -> None:
     """Print the JSON Schema of the scenario file; editors check and complete TOML with it.
 

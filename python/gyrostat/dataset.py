@@ -23,7 +23,7 @@ from gyrostat.campaign import Campaign
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import file_errors, replacing_folder, write_text
 from gyrostat.scenario import Scenario, shipped
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import all_actuators
 
 CHANNELS = (
     "measurement.q_NB",
@@ -233,7 +233,7 @@ def score(
     about, labels = _read(Path(folder))
     campaign = Campaign.from_dict(about["campaign"])
     runs, cell = int(about["runs"]), about["cell"]
-    n = campaign.base.D_B.shape[1]
+    n = campaign.base.actuators
     flights = _flights(Path(folder))
     flew = [run for run in range(runs) if flights[run]["status"] != REFUSED]
     by_run = {run: [c for r, *c in labels if r == run] for run in flew}
@@ -329,7 +329,8 @@ def _samples(flown: Any, run: int) -> dict[str, Any]:
 
 def _labelled(scenario: Scenario, run: int, t_end: float) -> list[dict[str, Any]]:
     tables = scenario.resolve()
-    u_max = np.broadcast_to(np.asarray(with_thrusters(tables).get("u_max", math.inf), float), scenario.D_B.shape[1])
+    limits = all_actuators(tables).get("u_max", math.inf)
+    u_max = np.broadcast_to(np.asarray(limits, float), scenario.actuators)
     return [
         {
             "run": run,
@@ -386,7 +387,7 @@ def _hidden(
     """Faults that the commands after them leave without a trace, or with that of another actuator."""
     from pyarrow import parquet
 
-    D = campaign.base.D_B
+    D = campaign.base.axes_B
     names = [f"allocation.u.{i}" for i in range(D.shape[1])]
     silent = confused = 0
     with file_errors(folder / "samples.parquet", "cannot be read"):

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from gyrostat import _core
 from gyrostat.errors import InputError, input_errors
 from gyrostat.metrics import DEFAULT_BAND
-from gyrostat.scenario import Scenario, copies
+from gyrostat.scenario import Scenario, copies, with_objects
 from gyrostat.text import shown
 
 Measures = Mapping[str, Mapping[str, Any]]
@@ -239,7 +239,7 @@ class Experiment:
         """
         with input_errors():
             tables = self._core.scenario(number, np.asarray(values, dtype=float))
-        return Scenario.from_dict(tables | self._base.python_components())
+        return Scenario.from_dict(with_objects(tables, self._base.python_components()))
 
     def _rows(self, values: ArrayLike | None, runs: int | None) -> NDArray[np.float64]:
         width = len(self.columns)

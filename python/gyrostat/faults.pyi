@@ -239,3 +239,24 @@ def SlowValve(
     delay_close
         from the end of the drive to the closing; s; [0, 1000]; default 0.0
     """
+
+def RotorSlowDown(
+    *,
+    actuator: int,
+    t_on: float | None = ...,
+    t_off: float | None = ...,
+    rate: float | None = ...,
+) -> Component:
+    """The fault 'rotor_slow_down'.
+
+    Parameters
+    ----------
+    actuator
+        which one, counted from 0; [0, 15]
+    t_on
+        onset; s; [0, inf]; default 0.0
+    t_off
+        end; infinity: permanent; s; [0, inf]; default inf
+    rate
+        momentum that the rotor loses a second, > 0; N m; [0, inf]; default 0.0
+    """

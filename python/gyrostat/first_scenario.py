@@ -48,7 +48,7 @@ No tachometers, or torquers: add use_momentum = false, use_torque = true""",
     "allocator": "Makes commands of the torque, inside the limits, with what the wheels have left.",
     "sensors": "Noise is one sigma a sample, rad/s and rad. Without sensors everything is measured as it is.",
     "disturbances": "N m, in body axes; nobody on board knows it.",
-    "faults": """Wheel 2 drops to 40 % of its torque at 20 s. All kinds: gyrostat list fault.
+    "faults": """Wheel 2 drops to 40 % of its torque at 20 s. Others: gyrostat list fault.
 Several at once: repeat [[faults]]. Try type = "stuck" with a torque.""",
 }
 

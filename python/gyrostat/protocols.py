@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """What a Python object must offer to fly in the loop in place of a catalogue component.
 
-Each role needs ``step``. Optional are ``setup(setup)``, called exactly once, before the run, with vehicle and period;
-``start``, called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; ``skip(y, last)``
+Each role of the stack needs ``step``; beside it a reference has ``at``, a sensor ``measure``, a fault ``apply``, a
+disturbance ``torque_B``. Optional are ``setup(setup)``, called exactly once, before
+the run, with vehicle and period; ``start``, called at tick 0, when no interval has passed, with the arguments of
+``step`` but ``last``; ``skip(y, last)``
 (observers), called instead of ``step`` for an interval that teaches nothing: rate or wheel momentum was not measured at
 one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; ``shift_rate(step)`` (observers), called
 before ``step`` where a navigator says that its rate has moved without motion (``y.rate_step``); and ``reset``
@@ -59,3 +61,35 @@ class Allocator(Protocol):
 
     def step(self, demand: Demand, x: Estimate, det: Detection, /) -> NDArray[np.float64] | Allocation:
         """Every sample."""
+
+
+@runtime_checkable
+class ReferencePath(Protocol):
+    """What the vehicle should do, as a function of time."""
+
+    def at(self, t: float, /) -> NDArray[np.float64] | tuple[NDArray[np.float64], ...]:
+        """Every sample, in order: ``q_NR``, or ``(q_NR, omega_RN_R, omegadot_RN_R)``; without, both are zero."""
+
+
+@runtime_checkable
+class Sensor(Protocol):
+    """What the sensors show -> what it shows beside or instead of it; ideal sensors show the truth."""
+
+    def measure(self, y: Measurement, /) -> Measurement:
+        """Every sample, after the sensors of the catalogue. Change what is given and return it."""
+
+
+@runtime_checkable
+class Fault(Protocol):
+    """What happens to the commands on their way to the actuators, whose limits come after."""
+
+    def apply(self, t: float, u: NDArray[np.float64], /) -> NDArray[np.float64]:
+        """Every sample: the command issued at `t` -> the one that arrives, held until the next sample."""
+
+
+@runtime_checkable
+class Disturbance(Protocol):
+    """A torque on the body, N m in body axes."""
+
+    def torque_B(self, t: float, q_NB: NDArray[np.float64], omega_BN_B: NDArray[np.float64], /) -> NDArray[np.float64]:
+        """Every sample: the torque that is held until the next one."""

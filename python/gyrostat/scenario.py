@@ -21,7 +21,18 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.memory import available_memory
 from gyrostat.model import Model
 from gyrostat.text import shown
-from gyrostat.vehicle import Flexible, Initial, Thrusters, Truth, Vehicle, with_thrusters
+from gyrostat.vehicle import (
+    ControlMomentGyros,
+    Desaturation,
+    Flexible,
+    Initial,
+    Orbit,
+    Thrusters,
+    Truth,
+    Vehicle,
+    all_actuators,
+    standing,
+)
 
 if TYPE_CHECKING:
     from gyrostat.results import Result
@@ -41,11 +52,16 @@ def _component(value: Any, info: ValidationInfo) -> Any:
         return freeze(value)
     if isinstance(value, bool | int | float | list | tuple):
         raise InputError(f"{shown(value)} is a {type(value).__name__}; a component belongs here")
+    call = _calls.get(str(info.field_name))
+    if call is not None and callable(getattr(value, call, None)):
+        if isinstance(value, type):
+            raise InputError(f"{value.__name__} is a class; an object of it belongs here: {value.__name__}(...)")
+        return value
     family = str(info.field_name).removesuffix("s")
     shaped = " with waveforms (gyrostat.waveforms) in them" if family in ("fault", "disturbance") else ""
+    lacks = "" if call is None else f" without {call}(...)"
     raise InputError(
-        f"{_class_of(value).__name__} is a Python object, which only a navigator, observer, detector, controller or "
-        f"allocator that closes the loop can be; for '{family}' there are: "
+        f"{_class_of(value).__name__} is a Python object{lacks}; for '{family}' there are: "
         f"{', '.join(_core.catalogue()[family])}{shaped}"
     )
 
@@ -61,6 +77,21 @@ def _role(value: Any, info: ValidationInfo) -> Any:
         raise InputError(f"{name} is a class; an object of it belongs here: {name}(...)")
     raise InputError(
         f"{shown(value)} is a {name} without step(...); a name, a component or an object with step belongs here"
+    )
+
+
+def _path(value: Any, info: ValidationInfo) -> Any:
+    """A reference of the catalogue, or any Python object that says where it is at a time."""
+    if value is None or isinstance(value, Component | str | Mapping):
+        return _component(value, info)
+    name = _class_of(value).__name__
+    if isinstance(value, type):
+        raise InputError(f"{name} is a class; an object of it belongs here: {name}(...)")
+    if callable(getattr(value, "at", None)):
+        return value
+    raise InputError(
+        f"{name} is a Python object without at(t); for 'reference' there are: "
+        f"{', '.join(_core.catalogue()['reference'])}"
     )
 
 
@@ -100,14 +131,21 @@ def _every(value: Any) -> int:
 
 
 _One = Annotated[Component | str | None, PlainValidator(_component)]
-_Many = Annotated[Sequence[Component], PlainValidator(_components)]
+_Sensors = Annotated[Sequence[Component | protocols.Sensor], PlainValidator(_components)]
+_Faults = Annotated[Sequence[Component | protocols.Fault], PlainValidator(_components)]
+_Disturbances = Annotated[Sequence[Component | protocols.Disturbance], PlainValidator(_components)]
 _Navigator = Annotated[Component | protocols.Navigator | str | None, PlainValidator(_role)]
 _Observer = Annotated[Component | protocols.Observer | str | None, PlainValidator(_role)]
 _Detector = Annotated[Component | protocols.Detector | str | None, PlainValidator(_role)]
 _Controller = Annotated[Component | protocols.Controller | str | None, PlainValidator(_role)]
 _Allocator = Annotated[Component | protocols.Allocator | str | None, PlainValidator(_role)]
 
-_roles = ("navigator", "observer", "detector", "controller", "allocator")
+_Reference = Annotated[Component | protocols.ReferencePath | str | None, PlainValidator(_path)]
+
+_calls = {"sensors": "measure", "faults": "apply", "disturbances": "torque_B"}
+"""Lists that may hold Python objects, and the function that such an object has."""
+
+_roles = ("navigator", "observer", "detector", "controller", "allocator", "reference")
 
 
 class Shadow(Model):
@@ -137,10 +175,16 @@ class Scenario(Model):
         The nominal vehicle: all that flight knows.
     truth, initial
         What really flies where it differs, and the state at t = 0.
+    orbit
+        Where it flies: field, sun and shadow, and the gravity gradient on it.
+    desaturation
+        What flight does about momentum, with magnetorquers.
     flexible
         Appendages of the true vehicle that bend.
+    cmg
+        Control moment gyros, behind the actuators of the vehicle.
     thrusters
-        On/off thrusters, the actuators behind those of the vehicle's ``D_B``.
+        On/off thrusters, the last of the actuators.
     navigator, observer, detector, controller, allocator
         Components of the flight stack, or Python objects with a ``step`` (see `gyrostat.protocols`).
     reference, integrator
@@ -184,7 +228,10 @@ class Scenario(Model):
     allow_unstable: bool = False
     vehicle: Vehicle
     truth: Truth | None = None
+    orbit: Orbit | None = None
+    desaturation: Desaturation | None = None
     flexible: Flexible | None = None
+    cmg: ControlMomentGyros | None = None
     thrusters: Thrusters | None = None
     initial: Initial | None = None
     navigator: _Navigator = None
@@ -192,11 +239,11 @@ class Scenario(Model):
     detector: _Detector = None
     controller: _Controller = None
     allocator: _Allocator = None
-    reference: _One = None
+    reference: _Reference = None
     integrator: _One = None
-    faults: _Many = ()
-    disturbances: _Many = ()
-    sensors: _Many = ()
+    faults: _Faults = ()
+    disturbances: _Disturbances = ()
+    sensors: _Sensors = ()
     shadows: Sequence[Shadow] = ()
     record: Record | None = None
 
@@ -281,6 +328,21 @@ class Scenario(Model):
             _set(tables, key, value)
         return type(self).from_dict(tables)
 
+    @property
+    def actuators(self) -> int:
+        """Number of actuators: the vehicle's, its control moment gyros and its thrusters."""
+        gyros = 0 if self.cmg is None else self.cmg.count
+        return self.vehicle.actuators + gyros + (0 if self.thrusters is None else self.thrusters.torque.size)
+
+    @property
+    def axes_B(self) -> NDArray[np.float64]:
+        """(3, n) axes of the actuators as flight knows them, of control moment gyros those of the start."""
+        return np.asarray(all_actuators(self.to_dict())["D_B"], dtype=float)
+
+    def standing(self) -> Scenario:
+        """The scenario with gimbals that do not turn (`gyrostat.vehicle.standing`); itself without gyros."""
+        return self if self.cmg is None else type(self).from_dict(standing(self.to_dict()))
+
     def check(self) -> list[dict[str, Any]]:
         """Build everything without running; one row a component check, with the number and the limit it was held to.
 
@@ -298,17 +360,16 @@ class Scenario(Model):
         A run may be shorter than a fault is late (a look at the first seconds, a recording), so that a fault that never
         begins is said and not refused.
         """
-        onsets = [(f"faults[{i}] '{f.type}'", f.params.get("t_on", 0.0)) for i, f in enumerate(self.faults)]
+        onsets = [
+            (f"faults[{i}] '{f.type}'", f.params.get("t_on", 0.0))
+            for i, f in enumerate(self.faults)
+            if isinstance(f, Component)
+        ]
         return [
             f"{fault} never begins: t_on = {t_on:g} s, and the run ends at {self.duration:g} s"
             for fault, t_on in onsets
             if t_on >= self.duration
         ]
-
-    @property
-    def D_B(self) -> NDArray[np.float64]:
-        """Axes of all actuators in columns, body frame, (3, n): the vehicle's and behind them the thrusters'."""
-        return np.asarray(with_thrusters(self.to_dict())["D_B"], dtype=float)
 
     def resolve(self) -> dict[str, Any]:
         """The scenario with every default filled in, as plain tables."""
@@ -395,19 +456,33 @@ class Scenario(Model):
         return dict(_leaves("", self.resolve()))
 
     def python_components(self) -> dict[str, object]:
-        """The roles that Python objects play, with the objects."""
+        """The roles that Python objects play, with the objects; of sensors, faults and disturbances a list of those."""
         found = {role: getattr(self, role) for role in _roles}
-        return {r: c for r, c in found.items() if c is not None and not isinstance(c, Component)}
+        alone = {r: c for r, c in found.items() if c is not None and not isinstance(c, Component)}
+        listed = {k: [c for c in getattr(self, k) if not isinstance(c, Component)] for k in _calls}
+        return alone | {k: objects for k, objects in listed.items() if objects}
 
     def tables(self) -> dict[str, Any]:
-        """As `to_dict`, for the host: a Python component stands as ``type = "python"``."""
-        return {**self.to_dict(), **{role: {"type": "python"} for role in self.python_components()}}
+        """As `to_dict`, for the host: a Python component stands as ``type = "python"``, or not in its list."""
+        tables = self.to_dict()
+        for role in self.python_components():
+            if role in _calls:
+                tables[role] = [_table(c) for c in getattr(self, role) if isinstance(c, Component)]
+            else:
+                tables[role] = {"type": "python"}
+        return tables
 
     @cached_property
     def compiled(self) -> _core.Compiled:
         """The scenario as the host has read and cross-checked it, once."""
         with input_errors():
             return _core.Compiled(self.tables())
+
+
+def with_objects(tables: Mapping[str, Any], components: Mapping[str, Any]) -> dict[str, Any]:
+    """`Scenario.tables` with `Scenario.python_components` in their places; in a list they come last."""
+    merged = {k: [*tables.get(k, ()), *c] if k in _calls else c for k, c in components.items()}
+    return {**tables, **merged}
 
 
 def copies(components: dict[str, object]) -> dict[str, object]:
@@ -463,7 +538,8 @@ def shipped() -> dict[str, Path]:
 
 def _table(value: Any) -> Any:
     """Plain form of a field of a scenario."""
-    if isinstance(value, Component | Vehicle | Truth | Flexible | Thrusters | Initial):
+    blocks = Vehicle | Truth | Orbit | Desaturation | Flexible | ControlMomentGyros | Thrusters | Initial
+    if isinstance(value, Component | blocks):
         return value.to_dict()
     if isinstance(value, Model):
         return {k: _table(v) for k, v in value if v is not None}

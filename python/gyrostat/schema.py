@@ -34,7 +34,7 @@ _kinds: dict[str, dict[str, Any]] = {
     "waveforms3": {"type": "array", "items": _waveform, **_three},
 }
 _lists = {"faults": "fault", "disturbances": "disturbance", "sensors": "sensor"}
-_blocks = ("vehicle", "truth", "flexible", "thrusters", "initial")
+_blocks = ("vehicle", "truth", "orbit", "desaturation", "flexible", "cmg", "thrusters", "initial")
 
 
 def scenario_schema() -> dict[str, Any]:

@@ -24,7 +24,7 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.experiment import Experiment
 from gyrostat.files import replacing, write_text
 from gyrostat.scenario import Scenario
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import all_actuators
 
 Verdict = Literal["saved", "lost though possible", "impossible", "saved though impossible"]
 VERDICTS: tuple[Verdict, ...] = ("saved", "lost though possible", "impossible", "saved though impossible")
@@ -233,12 +233,12 @@ def survive(
         label: (made if isinstance(made, Scenario) else scenario.replace(**made)).replace(faults=[])
         for label, made in (stacks or {"": {}}).items()
     }
-    n = scenario.D_B.shape[1]
+    n = scenario.actuators
     for label, one in flown.items():
         with input_errors(f"stack '{label}'" if label else ""):
             if attainable_after_faults(_brief(one, [])) is None:
                 raise InputError("survive: an actuator without limit can give any torque; write vehicle.u_max")
-    u_max = np.broadcast_to(np.asarray(with_thrusters(scenario.resolve())["u_max"], float), n)
+    u_max = np.broadcast_to(np.asarray(all_actuators(scenario.resolve())["u_max"], float), n)
     needed = _disturbance(next(iter(flown.values()))) if torque is None else float(torque)
     strikes = list(_strikes(kinds, severities, n))
     pairs = [(Strike(), Strike()), *((a, Strike()) for a in strikes)]

@@ -6,6 +6,7 @@ A key that is not given keeps the default of the C++ description; ``gyrostat des
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
@@ -14,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from gyrostat.components import Matrix, Vector
 from gyrostat.model import Block, Leaf
+
+Array = NDArray[np.float64]
 
 
 class Vehicle(Block):
@@ -25,7 +28,7 @@ class Vehicle(Block):
         Inertia of the whole vehicle, wheels included, kg m^2: three rows, or three numbers for a diagonal one.
     D_B
         Actuator axes in columns, body frame: three rows of as many numbers as there are actuators (1 to 16). Not given
-        where `Thrusters` are all there is; they come behind these.
+        where `ControlMomentGyros` or `Thrusters` are all there is; they come behind these, in this order.
     u_max, u_min
         Limits of the command, N m: a number or one an actuator. Without ``u_max`` flight knows no limit.
     u_rate
@@ -35,6 +38,8 @@ class Vehicle(Block):
     momentum_max
         Momentum at which a wheel gives no more, N m s, as flight knows it: a number or one an actuator. Truth has it
         too unless it states its own.
+    magnetorquers
+        Actuators that are a dipole along their column of ``D_B``; their commands and limits are in A m^2.
     spare
         Actuators that stay off until a detector enables them.
     orbit_rate
@@ -50,13 +55,14 @@ class Vehicle(Block):
     u_rate: Leaf[float | Vector | None] = None
     wheel_inertia: Leaf[float | Vector | None] = None
     momentum_max: Leaf[float | Vector | None] = None
+    magnetorquers: Leaf[tuple[int, ...] | list[int] | None] = None
     spare: Leaf[tuple[int, ...] | list[int] | None] = None
     orbit_rate: Leaf[float | None] = None
     coordinates: Leaf[Literal["body", "euler_angles"] | None] = None
 
     @property
     def actuators(self) -> int:
-        """Number of actuators, thrusters left out."""
+        """Number of actuators in ``D_B``."""
         return 0 if self.D_B is None else int(np.shape(self.D_B)[1])
 
 
@@ -93,6 +99,77 @@ class Flexible(Block):
     xi: Leaf[Vector | None] = None
     eta: Leaf[Vector | None] = None
     eta_rate: Leaf[Vector | None] = None
+
+
+class ControlMomentGyros(Block):
+    """Single-gimbal control moment gyros: actuators behind those of the vehicle's ``D_B``, known to flight as they are.
+
+    A command (N m) turns gimbal i at ``u_i / rotor_momentum_i``; its limit is ``rotor_momentum rate_max``.
+
+    Parameters
+    ----------
+    gimbal_axes, spin_axes
+        A row a gyro: unit vector along its gimbal axis, and along its rotor at gimbal angle zero, perpendicular to it.
+    rotor_momentum
+        Of each rotor, N m s: a number or one a gyro.
+    rate_max
+        Fastest gimbal, rad/s: a number or one a gyro.
+    angles
+        Of the gimbals at t = 0, rad; 0 when not given.
+    angle_max
+        Of the stops of the gimbals, on both sides, rad; flight does not know of them. None when not given.
+    """
+
+    gimbal_axes: Leaf[Matrix]
+    spin_axes: Leaf[Matrix]
+    rotor_momentum: Leaf[float | Vector]
+    rate_max: Leaf[float | Vector]
+    angles: Leaf[float | Vector | None] = None
+    angle_max: Leaf[float | Vector | None] = None
+
+    @property
+    def count(self) -> int:
+        """Number of gyros."""
+        return len(np.atleast_2d(np.asarray(self.gimbal_axes, dtype=float)))
+
+    def turned(self, angles: ArrayLike) -> tuple[Array, Array]:
+        """(..., 3, n) axes of commands, and of rotors, at gimbal angles (..., n), rad."""
+        g, s = (np.atleast_2d(np.asarray(rows, dtype=float)) for rows in (self.gimbal_axes, self.spin_axes))
+        angle = np.asarray(angles, dtype=float)[..., None, :]
+        cos, sin, spin, across = np.cos(angle), np.sin(angle), s.T, np.cross(g, s).T
+        return sin * spin - cos * across, cos * spin + sin * across
+
+    def axes_B(self) -> Array:
+        """(3, n) axes along which commands act at the start."""
+        start = 0.0 if self.angles is None else np.asarray(self.angles, dtype=float)
+        return self.turned(np.broadcast_to(start, self.count))[0]
+
+    @property
+    def u_max(self) -> Array:
+        """(n,) N m, largest commands."""
+        product = np.asarray(self.rotor_momentum, dtype=float) * np.asarray(self.rate_max, dtype=float)
+        return np.array(np.broadcast_to(product, self.count))
+
+
+def standing(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables of a scenario whose gimbals do not turn: each gyro is an ideal torquer along its axis at the start.
+
+    What asks for the axes of a vehicle's actuators once looks at this; without gyros it is the scenario itself.
+    """
+    given = dict(tables)
+    block = given.pop("cmg", None)
+    if block is None:
+        return given
+    gyros = block if isinstance(block, ControlMomentGyros) else ControlMomentGyros(**block)
+    vehicle = dict(given["vehicle"])
+    others = np.zeros((3, 0)) if vehicle.get("D_B") is None else np.asarray(vehicle["D_B"], dtype=float)
+    n = others.shape[1] + gyros.count
+    u_max = np.array(np.broadcast_to(np.asarray(vehicle.get("u_max") or np.inf, dtype=float), n))
+    u_max[others.shape[1] :] = np.minimum(u_max[others.shape[1] :], gyros.u_max)
+    vehicle["D_B"] = np.hstack([others, gyros.axes_B()]).tolist()
+    vehicle["u_max"] = u_max.tolist()
+    faults = [fault for fault in given.get("faults", ()) if fault["type"] != "rotor_slow_down"]
+    return given | {"vehicle": vehicle, "faults": faults}
 
 
 class Thrusters(Block):
@@ -157,15 +234,20 @@ class Thrusters(Block):
         return np.cross(at, n / np.linalg.norm(n, axis=1, keepdims=True))
 
 
-def with_thrusters(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """The vehicle of a scenario's tables as if its thrusters stood in it: axes, limits, wheel inertia of all actuators.
+def all_actuators(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """The vehicle of a scenario's tables as if all its actuators stood in it: axes, limits, wheel inertia.
 
     Parameters
     ----------
     tables
-        ``vehicle``, and ``thrusters`` where there are some.
+        ``vehicle``, and ``cmg`` and ``thrusters`` where there are such. Gyros act along their axes at the start; the
+        axis of a magnetorquer, whose torque the field decides, is zero.
     """
-    vehicle = dict(tables["vehicle"])
+    vehicle = dict(standing(tables)["vehicle"])
+    if vehicle.get("magnetorquers"):
+        axes = np.array(vehicle["D_B"], dtype=float)
+        axes[:, list(vehicle["magnetorquers"])] = 0.0
+        vehicle["D_B"] = axes.tolist()
     given = tables.get("thrusters")
     if not given:
         return vehicle
@@ -191,6 +273,63 @@ def with_thrusters(tables: Mapping[str, Any]) -> dict[str, Any]:
         "wheel_inertia": all_of("wheel_inertia", 0.0, 0.0),
         "momentum_max": all_of("momentum_max", np.inf, np.inf),
     }
+
+
+class Orbit(Block):
+    """An orbit round the Earth: N is then the equatorial frame, z to the north pole and x to the equinox.
+
+    Angles in rad, at t = 0.
+
+    Parameters
+    ----------
+    semi_major_axis
+        m, from the centre of the Earth.
+    inclination
+        To the equator.
+    raan
+        Right ascension of the ascending node.
+    argument_of_latitude
+        From the ascending node to the vehicle.
+    eccentricity
+        0, a circle, to 0.9.
+    perigee
+        From the ascending node to the perigee.
+    earth_angle
+        From ``x_N`` to the meridian of Greenwich.
+    sun_longitude
+        Of the sun in the ecliptic, from the equinox.
+    sun_N
+        Direction of the sun, instead of ``sun_longitude``.
+    """
+
+    semi_major_axis: Leaf[float]
+    inclination: Leaf[float]
+    raan: Leaf[float | None] = None
+    argument_of_latitude: Leaf[float | None] = None
+    eccentricity: Leaf[float | None] = None
+    perigee: Leaf[float | None] = None
+    earth_angle: Leaf[float | None] = None
+    sun_longitude: Leaf[float | None] = None
+    sun_N: Leaf[Vector | None] = None
+
+
+class Desaturation(Block):
+    """What flight does about momentum, with its magnetorquers.
+
+    Parameters
+    ----------
+    gain
+        Of the cross-product law, in units of the orbit's rate; 2 when not given.
+    momentum
+        ``wheels``, whose momentum is taken off without moving the attitude, or ``total``, that of the vehicle, which
+        comes to rest.
+    keep_B
+        Momentum that is left, N m s in body axes.
+    """
+
+    gain: Leaf[float | None] = None
+    momentum: Leaf[Literal["wheels", "total"] | None] = None
+    keep_B: Leaf[Vector | None] = None
 
 
 class Initial(Block):
@@ -277,3 +416,32 @@ def twelve_thrusters() -> tuple[Vehicle, Thrusters]:
         positions=positions, directions=directions, thrust=1.0, tick=1.0 / 64.0, min_on=2, min_off=2, Isp=220.0
     )
     return Vehicle(J_B=(120.0, 100.0, 110.0)), thrusters
+
+
+def cmg4(
+    *, J_B: Matrix | Vector = (120.0, 100.0, 120.0), rotor_momentum: float = 20.0, rate_max: float = 1.0
+) -> tuple[Vehicle, ControlMomentGyros]:
+    """Four control moment gyros on the pyramid of 54.74 deg, whose envelope is nearly a sphere, and the body they turn.
+
+    The arrangement of most publications on singular gimbals (Kurokawa 1998; Wie 2008).
+    """
+    across, up = np.sqrt(2.0 / 3.0), np.sqrt(1.0 / 3.0)
+    gimbal = ((across, 0.0, up), (0.0, across, up), (-across, 0.0, up), (0.0, -across, up))
+    spin = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
+    gyros = ControlMomentGyros(gimbal_axes=gimbal, spin_axes=spin, rotor_momentum=rotor_momentum, rate_max=rate_max)
+    return Vehicle(J_B=J_B), gyros
+
+
+def cubesat_6u() -> Vehicle:
+    """A 6U CubeSat: four wheels of 2 mN m and 30 mN m s on a pyramid, three magnetorquers of 0.4 A m^2 on the axes.
+
+    It flies on an orbit, whose field the magnetorquers need.
+    """
+    return Vehicle(
+        J_B=(0.13, 0.10, 0.05),
+        D_B=np.column_stack([np.array(PYRAMID4) / np.sqrt(3.0), np.eye(3)]),
+        u_max=(2e-3, 2e-3, 2e-3, 2e-3, 0.4, 0.4, 0.4),
+        wheel_inertia=(3e-5, 3e-5, 3e-5, 3e-5, 0.0, 0.0, 0.0),
+        momentum_max=(0.03, 0.03, 0.03, 0.03, math.inf, math.inf, math.inf),
+        magnetorquers=(4, 5, 6),
+    )

@@ -25,6 +25,8 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 SHOWN = (".md", ".png", ".svg")
 """Endings of what is copied from docs/."""
+ELSEWHERE = ("package.md",)
+"""Pages of docs/ that the site leaves out: what a package index shows."""
 LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".toml": "toml", ".c": "c", ".h": "c"}
 _link = re.compile(r"(?<=\]\()([^)\s]+)(?=\))")
 _code = re.compile(r"(^(`{3,}).*?^\2`*$|`[^`\n]+`|^    .*?$)", re.DOTALL | re.MULTILINE)
@@ -35,6 +37,7 @@ def main(folder: Path) -> None:
     """Write everything anew."""
     shutil.rmtree(folder / "pages", ignore_errors=True)
     pages = {p.relative_to(DOCS).as_posix(): (p, p.read_text(encoding="utf-8")) for p in sorted(DOCS.rglob("*.md"))}
+    pages = {name: page for name, page in pages.items() if name not in ELSEWHERE}
     pages |= {_source_page(p): (p, _shown(p)) for p in sorted(_linked_outside())}
     texts = {name: _with_math(_led(text, path, name)) for name, (path, text) in pages.items()}
     texts |= {**python_pages(), **cpp_pages(ROOT)}

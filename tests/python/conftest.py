@@ -22,6 +22,19 @@ settings.register_profile("gyrostat", derandomize=True, deadline=None)
 settings.load_profile("gyrostat")
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """A file stays on one worker, because its fixtures are made once; of a class, each parameter may go elsewhere."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByFile(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file, *names = nodeid.split("::")
+            return f"{file}[{names[-1].partition('[')[2]}" if len(names) > 1 else file
+
+    return ByFile(config, log)
+
+
 @pytest.fixture(scope="session")
 def scenario() -> gs.Scenario:
     """FTC-4RW for 30 s, wheel 2 at 40 % from 5 s: short, with a fault, noise and a disturbance."""

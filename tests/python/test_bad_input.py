@@ -105,7 +105,7 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
     "a class instead of an object": ({"controller": Silent}, ["controller", "Silent is a class", "Silent(...)"]),
     "a disturbance in Python": (
         {"disturbances": [Silent()]},
-        ["disturbances", "Silent is a Python object", "controller", "constant, periodic", "gyrostat.waveforms"],
+        ["disturbances", "Silent is a Python object without torque_B(...)", "constant, periodic", "gyrostat.waveforms"],
     ),
     "a fault in Python": ({"faults": [Silent()]}, ["faults", "Silent", "loss_of_effectiveness", "dead_zone"]),
     "a sensor in Python": ({"sensors": [Silent]}, ["sensors", "Silent", "gyro, attitude"]),

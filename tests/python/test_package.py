@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -64,6 +65,11 @@ def test_the_package_carries_the_notices_of_what_is_compiled_in() -> None:
         assert text == (ROOT / name).read_text(encoding="utf-8")
 
 
+def test_what_an_index_shows_of_it_stands_alone() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert not re.search(r"!\[|\]\((?!https?:)", (ROOT / project["readme"]).read_text(encoding="utf-8"))
+
+
 def test_the_source_distribution_carries_them_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from scikit_build_core.build import build_sdist
 
@@ -75,7 +81,7 @@ def test_the_source_distribution_carries_them_too(tmp_path: Path, monkeypatch: p
     with tarfile.open(tmp_path / build_sdist(str(tmp_path))) as packed:
         names = {name.partition("/")[2] for name in packed.getnames()}
     assert {"LICENSE", *(f"licenses/{x}.txt" for x in ("sundials", "eigen", "random123", "pybind11"))} <= names
-    assert {"CMakeLists.txt", "pyproject.toml", "cpp/flight/gyrostat/flight/stack.hpp"} <= names
+    assert {"CMakeLists.txt", "pyproject.toml", "docs/package.md", "cpp/flight/gyrostat/flight/stack.hpp"} <= names
 
 
 def test_the_module_is_hardened() -> None:
@@ -91,6 +97,57 @@ def test_the_module_is_hardened() -> None:
     assert "__stack_chk_fail" in imported
     assert re.search(r"__\w+_chk\b", imported.replace("__stack_chk_fail", ""))
     assert re.search(r"GNU_STACK\s.*\sRW\s", readelf("--program-headers"))
+
+
+def _said(*arguments: str) -> str:
+    command = [sys.executable, "-m", "gyrostat", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def test_config_says_where_the_headers_are() -> None:
+    include, cmake = Path(_said("config", "--include")), Path(_said("config", "--cmake"))
+    assert (include / "gyrostat" / "flight" / "stack.hpp").is_file()
+    assert (cmake / "gyrostat-config.cmake").is_file()
+    assert _said("config").split() == ["version", gs.__version__, "include", str(include), "cmake", str(cmake)]
+
+
+def test_a_stack_compiles_against_the_installed_package(tmp_path: Path) -> None:
+    """As somebody without a clone would do it: the consumer's flight half, found by ``-Dgyrostat_DIR``."""
+    found = f"-Dgyrostat_DIR={_said('config', '--cmake')}"
+    configure = [
+        "cmake",
+        "-S",
+        str(ROOT / "tests" / "consumer"),
+        "-B",
+        str(tmp_path),
+        found,
+        "-DCMAKE_BUILD_TYPE=Debug",
+    ]
+    build = ["cmake", "--build", str(tmp_path), "--target", "fly_static"]
+    for command in (configure, build, [str(tmp_path / "fly_static")]):
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=900)
+        assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    assert "pointing error" in done.stdout
+
+
+@pytest.mark.parametrize(("component", "status"), [("flight", 0), ("host", 1)])
+def test_the_installed_package_says_what_it_does_not_bring(tmp_path: Path, component: str, status: int) -> None:
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.24)\nproject(user LANGUAGES CXX)\n"
+        f"find_package(gyrostat REQUIRED COMPONENTS {component})\n"
+    )
+    command = ["cmake", "-S", str(tmp_path), "-B", str(tmp_path / "b"), f"-Dgyrostat_DIR={_said('config', '--cmake')}"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == status, done.stderr
+    assert ("the Python package brings core and flight" in " ".join(done.stderr.split())) == bool(status)
+
+
+def test_the_module_needs_no_library_of_its_own() -> None:
+    """SUNDIALS is inside, and MPI, which Debian builds it with, is nowhere."""
+    command = ["readelf", "--wide", "--dynamic", _core.__file__]
+    dynamic = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    needed = re.findall(r"\(NEEDED\).*\[(.+?)\.so", dynamic)
+    assert set(needed) <= {"libstdc++", "libm", "libgcc_s", "libc", "ld-linux-x86-64", "ld-linux-aarch64"}
 
 
 def test_importing_loads_no_heavy_library() -> None:

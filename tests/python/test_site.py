@@ -28,7 +28,7 @@ def _load(name: str) -> ModuleType:
 python_reference, cpp_reference, check = _load("python_reference"), _load("cpp_reference"), _load("check")
 prepare = _load("prepare")
 DOCS = ROOT / "docs"
-PAGES = sorted(p.relative_to(DOCS).as_posix() for p in DOCS.rglob("*.md"))
+PAGES = sorted({p.relative_to(DOCS).as_posix() for p in DOCS.rglob("*.md")} - set(prepare.ELSEWHERE))
 
 
 def test_every_page_has_a_place_in_the_navigation() -> None:

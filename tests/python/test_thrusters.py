@@ -16,7 +16,7 @@ import gyrostat as gs
 from gyrostat import _core
 from gyrostat.design import thrusters as check
 from gyrostat.export import export
-from gyrostat.vehicle import twelve_thrusters, with_thrusters
+from gyrostat.vehicle import all_actuators, twelve_thrusters
 
 ROOT = Path(__file__).resolve().parents[2]
 J = [[120.0, 3.0, 4.0], [3.0, 100.0, 10.0], [4.0, 10.0, 120.0]]
@@ -118,7 +118,7 @@ def test_flight_rounds_as_the_valves_do() -> None:
     result = scenario.run(channels=["allocation.u", "allocation.achieved_B", "truth.delivered"])
     u = result["allocation.u"]
     np.testing.assert_allclose(result["truth.delivered"][1:], u[:-1], rtol=0, atol=1e-13)
-    np.testing.assert_allclose(result["allocation.achieved_B"], u @ scenario.D_B.T, atol=1e-14)
+    np.testing.assert_allclose(result["allocation.achieved_B"], u @ scenario.axes_B.T, atol=1e-14)
     ticks = 32.0 * u / THRUSTERS.torque
     np.testing.assert_allclose(ticks, ticks.round(), atol=1e-10)
     assert set(np.unique(ticks.round())) <= {0.0, *range(2, 31), 32.0}
@@ -193,7 +193,7 @@ def test_wheels_and_thrusters_fly_together() -> None:
         dt=0.5,
         integrator="cvode",
     )
-    assert scenario.D_B.shape == (3, 16)
+    assert scenario.axes_B.shape == (3, 16)
     result = scenario.run(channels=["error.angle", "truth.h_w", "allocation.u", "truth.delivered", "truth.propellant"])
     assert result.completed
     assert result["truth.h_w"].shape[1] == 16
@@ -201,7 +201,7 @@ def test_wheels_and_thrusters_fly_together() -> None:
     assert np.all(result["allocation.u"][:, 4:] >= 0.0)
     assert np.rad2deg(result["error.angle"][-1]) < 3.0  # the default law is soft
     setup = scenario.compiled.flight_model()["vehicle"]
-    np.testing.assert_allclose(setup["D_B"], scenario.D_B, atol=1e-15)
+    np.testing.assert_allclose(setup["D_B"], scenario.axes_B, atol=1e-15)
     assert setup["wheels"] == [0, 1, 2, 3]
     assert setup["u_quantum"][:4] == [0.0] * 4
 
@@ -224,8 +224,8 @@ def test_axes_and_limits_in_python_are_those_of_flight() -> None:
         gs.Scenario.load("twelve_thrusters"),
     ):
         flown = scenario.compiled.flight_model()["vehicle"]
-        ours = with_thrusters(scenario.to_dict())
-        np.testing.assert_allclose(scenario.D_B, flown["D_B"], atol=1e-15)
+        ours = all_actuators(scenario.to_dict())
+        np.testing.assert_allclose(scenario.axes_B, flown["D_B"], atol=1e-15)
         np.testing.assert_allclose(ours["u_max"], flown["u_up"], rtol=1e-15)
         np.testing.assert_array_equal(ours["u_min"], flown["u_lo"])
 

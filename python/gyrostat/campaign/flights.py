@@ -18,7 +18,7 @@ from gyrostat.campaign.spec import Spec
 from gyrostat.campaign.streams import Array
 from gyrostat.errors import InputError, input_errors
 from gyrostat.experiment import Experiment, Flights, usual_measures
-from gyrostat.scenario import Scenario
+from gyrostat.scenario import Scenario, with_objects
 from gyrostat.text import one_line
 
 RAISED = "raised"
@@ -84,7 +84,7 @@ class Cell:
 
     def scenario(self, values: Array, run: int) -> Scenario:
         """The scenario of one run without what does not happen in it."""
-        tables = self.experiment.scenario(values, run).tables() | self.plain.python_components()
+        tables = with_objects(self.experiment.scenario(values, run).tables(), self.plain.python_components())
         faults = [fault for fault in tables.get("faults", []) if not never(fault)]
         return Scenario.from_dict({**tables, "faults": faults})
 

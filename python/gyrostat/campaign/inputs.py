@@ -18,7 +18,7 @@ from gyrostat.campaign.sampled_faults import SampledFault
 from gyrostat.campaign.spec import Correlated, Spec
 from gyrostat.campaign.streams import SMALLEST, Array, Stream, Streams
 from gyrostat.errors import InputError, suggestion
-from gyrostat.scenario import Scenario
+from gyrostat.scenario import Scenario, with_objects
 
 _attitudes = {"q_NB": 4, "mrp": 3, "euler": 3}
 _of_quaternion = {"mrp": attitude.mrp_from_quat, "euler": attitude.euler_from_quat}
@@ -101,7 +101,7 @@ class Inputs:
         self.varied = tuple(Varied.of(key, drawn) for key, drawn in spec.vary.items())
         self.faults = tuple(SampledFault(entry) for entry in spec.fault)
         for fault in self.faults:
-            fault.check(base.D_B.shape[1])
+            fault.check(base.actuators)
         self.correlated = tuple(spec.correlated)
         streams = [Stream(v.key, v.words) for v in self.varied]
         streams += [stream for fault in self.faults for stream in fault.streams()]
@@ -110,7 +110,7 @@ class Inputs:
         self._elements = self._checked_elements()
         self._places = self.streams.places
         self._nominal = _nominal_inertias(base)
-        self._before = len(base.faults)
+        self._before = len(base.tables().get("faults", ()))
         self.paths = tuple(p for v in self.varied for p in v.paths) + tuple(
             f"faults.{self._before + i}.{name}" for i, slot in enumerate(self._slots) for name in slot.drawn
         )
@@ -121,7 +121,7 @@ class Inputs:
 
     def scenario(self, cell: Scenario) -> Scenario:
         """The scenario of a cell with all that may happen in it, as faults that never begin."""
-        tables = cell.tables() | cell.python_components()
+        tables = with_objects(cell.tables(), cell.python_components())
         initial = dict(tables.get("initial", {}))
         drawn = {v.key.partition(".")[2] for v in self.varied if v.key.startswith("initial.")}
         for name in _attitudes:
@@ -194,9 +194,9 @@ def _matrix(value: Any) -> Array:
     return np.diag(array) if array.ndim == 1 else array
 
 
-def never(table: Mapping[str, Any]) -> bool:
-    """Whether a fault of a scenario never begins."""
-    return bool(table.get("t_on", 0.0) == math.inf)
+def never(table: object) -> bool:
+    """Whether a fault of a scenario never begins; of a Python object nobody knows."""
+    return isinstance(table, Mapping) and bool(table.get("t_on", 0.0) == math.inf)
 
 
 __all__ = ["Draws", "Inputs", "Varied", "never"]

@@ -9,6 +9,7 @@ take an option. `FIGURES` is what ``gyrostat check --out`` draws, by name. `DESI
 from collections.abc import Callable, Sequence
 
 from gyrostat.design import (
+    cmg,
     compensation,
     estimate_use,
     feasibility,
@@ -21,6 +22,7 @@ from gyrostat.design import (
     learning_loop,
     mixed_learning,
     mixed_learning_tool,
+    momentum,
     preassigned_time,
     predefined_time,
     sampled_loop,
@@ -49,6 +51,7 @@ CHECKS: tuple[Callable[[Scenario], list[Finding]], ...] = (
     learning_disturbance.findings,
     learning_effectiveness.findings,
     mixed_learning_tool.findings,
+    momentum.findings,
     preassigned_time.findings,
     predefined_time.findings,
     thrusters.findings,
@@ -75,8 +78,15 @@ def findings(
         As in `compensation.findings` and `sampled_loop.findings`.
     torque_B, fly
         As in `torque_findings`.
+
+    Returns
+    -------
+    list of Finding
+        Of a vehicle with control moment gyros, what is asked of its axes is asked of those at the start.
     """
+    gimbals, scenario = cmg.findings(scenario), scenario.standing()
     return [
+        *gimbals,
         *(finding for look in CHECKS for finding in look(scenario)),
         *compensation.findings(scenario, effectiveness),
         *sampled_loop.findings(scenario, effectiveness),
@@ -99,6 +109,7 @@ __all__ = [
     "Finding",
     "LoopMargin",
     "attainable_after_faults",
+    "cmg",
     "compensation",
     "compensation_margin",
     "critical_effectiveness",
@@ -115,6 +126,7 @@ __all__ = [
     "loop_margin",
     "mixed_learning",
     "mixed_learning_tool",
+    "momentum",
     "preassigned_time",
     "predefined_time",
     "sampled_loop",

@@ -117,7 +117,7 @@ def scenario_margin(scenario: Scenario, effectiveness: tuple[float, float] | Non
         return None
     if effectiveness is None:
         passed = faults_alone(scenario, ["truth.effectiveness"])
-        effectiveness = effectiveness_range(scenario.D_B, passed["truth.effectiveness"])
+        effectiveness = effectiveness_range(scenario.axes_B, passed["truth.effectiveness"])
     return compensation_margin(observer["lambda1"], observer["lambda2"], effectiveness)
 
 

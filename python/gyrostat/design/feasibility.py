@@ -12,7 +12,7 @@ from gyrostat.allocation import DEFAULT_RANK_TOLERANCE, AttainableSet, attainabl
 from gyrostat.design.finding import Finding
 from gyrostat.design.idle import faults_alone
 from gyrostat.scenario import Scenario
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import all_actuators
 
 Floats = NDArray[np.float64]
 
@@ -72,29 +72,30 @@ def _rank_tolerance(scenario: Scenario) -> float:
 
 
 def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
-    """Axes (3, n) and limits (n,) that really fly; spares that nobody enables have none."""
+    """Axes (3, n) and limits (n,) that really fly; magnetorquers and spares that nobody enables have none."""
     plain = scenario.resolve()
-    truth, vehicle = plain.get("truth", {}), with_thrusters(plain)
+    truth, vehicle = plain.get("truth", {}), all_actuators(plain)
     D = np.asarray(vehicle["D_B"], float)
     if truth.get("dD_B") is not None:
         D = D + np.asarray(truth["dD_B"], float)
 
-    own = (3, 0) if plain["vehicle"].get("D_B") is None else np.shape(plain["vehicle"]["D_B"])
+    own = D.shape[1] - len((plain.get("thrusters") or {}).get("positions", ()))
 
     def limit(name: str, default: Floats) -> Floats:
         value = vehicle.get(name)
         out = default if value is None else np.broadcast_to(np.asarray(value, float), D.shape[1]).copy()
         if truth.get(name) is not None:  # of all but the thrusters
-            out[: own[1]] = truth[name]
+            out[:own] = truth[name]
         return out
 
     up = limit("u_max", np.full(D.shape[1], np.inf))
     lo = limit("u_min", -up)
     if truth.get("u_max") is not None and truth.get("u_min") is None and plain["vehicle"].get("u_min") is None:
-        lo[: own[1]] = -up[: own[1]]
+        lo[:own] = -up[:own]
+    off = list(plain["vehicle"].get("magnetorquers") or [])
     if plain["detector"]["type"] == "none":
-        off = list(plain["vehicle"].get("spare", []))
-        up[off] = lo[off] = 0.0
+        off += list(plain["vehicle"].get("spare") or [])
+    up[off] = lo[off] = 0.0
     return D, lo, up
 
 
@@ -121,6 +122,8 @@ def torque_findings(
     list of Finding
         Of a vehicle with an infinite limit only when the signs of its actuators leave out some direction.
     """
+    if len(scenario.vehicle.magnetorquers or ()) == scenario.vehicle.actuators:
+        return [Finding("torque", "every direction", "of magnetorquers alone: none along the magnetic field")]
     sets = attainable_after_faults(scenario)
     if sets is None:
         D, lo, up = _actuators(scenario)

@@ -20,7 +20,7 @@ import numpy as np
 from gyrostat.components import Matrix
 from gyrostat.design.finding import Finding
 from gyrostat.scenario import Scenario
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import all_actuators
 
 
 @dataclass(frozen=True)
@@ -77,8 +77,8 @@ def findings(scenario: Scenario) -> list[Finding]:
     observer = scenario.resolve()["observer"]
     if observer.get("type") != "learning_effectiveness_printed":
         return []
-    limits = np.asarray(with_thrusters(scenario.resolve()).get("u_max") or math.inf, dtype=float)
-    D_norm = float(np.linalg.norm(scenario.D_B, 2))
+    limits = np.asarray(all_actuators(scenario.resolve()).get("u_max") or math.inf, dtype=float)
+    D_norm = float(np.linalg.norm(scenario.axes_B, 2))
     m = learning_margins(
         observer["M"],
         observer["H1"],

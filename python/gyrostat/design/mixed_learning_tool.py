@@ -29,7 +29,7 @@ from gyrostat.design.mixed_learning import (
 from gyrostat.design.registry import Design, DesignReport
 from gyrostat.model import Model
 from gyrostat.scenario import Scenario
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import all_actuators
 
 Array = NDArray[np.float64]
 Rows = list[list[float]]
@@ -161,7 +161,7 @@ def controller_table(loop: LearningLoop, delta: float) -> dict[str, Any]:
 
 def flight_inertia(scenario: Scenario) -> Array:
     """Inertia that flight works with, kg m^2: with wheels, less their axial inertia along their axes."""
-    vehicle = with_thrusters(scenario.resolve())
+    vehicle = all_actuators(scenario.resolve())
     D_B = np.asarray(vehicle["D_B"], dtype=float)
     wheels = np.broadcast_to(np.asarray(vehicle.get("wheel_inertia") or 0.0, dtype=float), D_B.shape[1])
     return np.asarray(as_matrix(np.asarray(vehicle["J_B"])) - D_B * wheels @ D_B.T)

@@ -59,7 +59,7 @@ def torque_use(scenario: Scenario, factor: float = 1.0) -> float:
         Of T1 and T2.
     """
     law = _law(scenario)
-    limits = np.broadcast_to(np.asarray(_limit(scenario), dtype=float), scenario.D_B.shape[1:])
+    limits = np.broadcast_to(np.asarray(_limit(scenario), dtype=float), np.shape(scenario.axes_B)[1:])
     horizon = min(scenario.duration, factor * (law["T1"] + law["T2"]))
     samples = max(1, round(horizon / scenario.dt))
     flown = scenario.replace(

@@ -113,17 +113,19 @@ def trial(scenario: Scenario, effectiveness: Sequence[float] | float, size: floa
 
 def quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: float) -> dict[str, object]:
     """Changes of a scenario that leave only its loop, and an error at the start."""
-    D = scenario.D_B
+    D = scenario.axes_B
     given = {} if scenario.truth is None else scenario.truth.to_dict()
     true = D + (np.asarray(given["dD_B"], dtype=float) if "dD_B" in given else 0.0)
     share = np.broadcast_to(np.asarray(effectiveness, dtype=float), D.shape[1])
     truth = {"dD_B": (true * share - D).tolist()} | ({"dJ_B": given["dJ_B"]} if "dJ_B" in given else {})
-    delays = [Component.of(s.type, {"delay": s.params["delay"]}) for s in scenario.sensors if s.params.get("delay")]
+    sensors = [s for s in scenario.sensors if isinstance(s, Component)]
+    delays = [Component.of(s.type, {"delay": s.params["delay"]}) for s in sensors if s.params.get("delay")]
     return {
         "truth": truth,
         "initial": {"mrp": (math.tan(size / 4.0) * _axis).tolist()},
         "reference": None,
         "integrator": "rk4" if scenario.flexible is None else "cvode",
+        "desaturation": None,
         "faults": [],
         "disturbances": [],
         "sensors": delays,
@@ -145,6 +147,7 @@ def loop_margin(scenario: Scenario) -> LoopMargin:
     What is stable is taken to be one range of effectiveness that holds 1. Both limits are nan when the healthy loop
     does not settle.
     """
+    scenario = scenario.standing()
     healthy = trial(scenario, 1.0)
     if not settles(scenario, 1.0):
         return LoopMargin(math.nan, math.nan, healthy)
@@ -174,7 +177,7 @@ def left_by_faults(scenario: Scenario, most: int = 3) -> Array:
     NDArray
         Shape (k, n), k at most `most`, the weakest first; empty without faults.
     """
-    D = scenario.D_B
+    D = scenario.axes_B
     if not scenario.faults:
         return np.empty((0, D.shape[1]))
     rows = np.unique(faults_alone(scenario, ["truth.effectiveness"])["truth.effectiveness"], axis=0)
@@ -220,7 +223,7 @@ def findings(scenario: Scenario, effectiveness: tuple[float, float] | None = Non
         text = f"an error of {np.rad2deg(SIZES[0]):.2g} deg or less does not die out with healthy actuators"
         return [Finding(where, "healthy", text, False)]
     found = [_healthy(where, margin.healthy, scenario.duration)]
-    D = scenario.D_B
+    D = scenario.axes_B
     left = left_by_faults(scenario)
     low, high = effectiveness or (effectiveness_range(D, left) if len(left) else (1.0, 1.0))
     inside = margin.lowest <= low and high <= margin.highest

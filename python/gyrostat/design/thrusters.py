@@ -7,7 +7,7 @@ import numpy as np
 
 from gyrostat.design.finding import Finding
 from gyrostat.scenario import Scenario
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import all_actuators
 
 _knows_no_bounds = "pseudo_inverse"
 
@@ -25,7 +25,7 @@ def findings(scenario: Scenario) -> list[Finding]:
     found = []
     plain = scenario.resolve()
     vehicle = scenario.compiled.flight_model()["vehicle"] if not scenario.python_components() else None
-    low = np.asarray(with_thrusters(plain)["u_min"], dtype=float)
+    low = np.asarray(all_actuators(plain)["u_min"], dtype=float)
     if plain["allocator"].get("type") == _knows_no_bounds and (low == 0.0).any():
         text = (
             "asks for torque below zero of actuators that give none, and takes it for delivered; an allocator that "

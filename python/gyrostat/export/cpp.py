@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from gyrostat import _core
 from gyrostat.export.folder import copy_headers, filled
-from gyrostat.export.model import FlightCode, Parameter, literal
+from gyrostat.export.model import SKY, FlightCode, Parameter, literal
 from gyrostat.export.places import comment, markdown
 from gyrostat.export.recording import write_recording
 
+GYROS_HEADER = "gyrostat/flight/control_moment_gyros.hpp"
 BASE_HEADERS = ["gyrostat/core/set_parameter.hpp", "gyrostat/flight/stack.hpp"]
 
 
@@ -31,8 +33,7 @@ def write_header(code: FlightCode, folder: Path, namespace: str | None = None) -
     """``<name>.hpp``, and what it includes in ``include/``."""
     values = names(code) | _parts(code) | {"namespace": namespace or code.name}
     (folder / f"{code.name}.hpp").write_text(filled("cpp/flight.hpp", values), encoding="utf-8")
-    wanted = [*BASE_HEADERS, "gyrostat/flight/facade.hpp", *(c.header for c in code.components)]
-    copy_headers(wanted, folder / "include", code.capacity)
+    copy_headers([*_headers(code), "gyrostat/flight/facade.hpp"], folder / "include", code.capacity)
 
 
 def names(code: FlightCode) -> dict[str, object]:
@@ -48,24 +49,84 @@ def names(code: FlightCode) -> dict[str, object]:
         "dt": literal(code.dt),
         "duration": f"{(len(code.rows) - 1) * code.dt:g}",
         "samples": len(code.rows),
+        **_sky(code),
         "stack": ", ".join(c.name for c in code.components),
+        **_gimbals(code),
         "bytes": -(-code.bytes[code.scalar] * 3 // 2 // 64) * 64 + 128,
     }
+
+
+_sky_signals = ("field_B", "field_N", "sun_B", "sun_N")
+_sky_bits = ("field_valid", "sun_valid")
+
+
+def _sky(code: FlightCode) -> dict[str, str]:
+    """Of sun and field: members of a measurement in C and C++, and how a recorded row or an FMU's inputs fill them."""
+    keys = ("sky_in_c", "sky_in_cpp", "sky_of_row", "sky_of_inputs")
+    if not code.sees_the_sky:
+        return dict.fromkeys(keys, "")
+    in_c = f"""
+  /* Sun (unit) and magnetic field (T), in body axes as measured and in N as an almanac and a model have them. A _valid
+     that is 0: not measured at this sample. */
+  {code.name}_real field_B[3], field_N[3], sun_B[3], sun_N[3];
+  uint8_t field_valid, sun_valid;"""
+    in_cpp = "\n  double field_B[3], field_N[3], sun_B[3], sun_N[3];\n  bool field_valid, sun_valid;"
+    of_row = [f"take_recorded(d.row, measurement_{s}, y.{s}, 3);" for s in _sky_signals]
+    of_row += [f"y.{bit} = d.row[measurement_{bit}] != 0.0;" for bit in _sky_bits]
+    of_inputs = [
+        f"y.{name} = in.one() != 0.0;" if name in _sky_bits else f"in(y.{name});"
+        for name in (signal.split(".")[1] for signal in SKY)
+    ]
+    filled_in = (
+        in_c,
+        in_cpp,
+        "".join(f"\n    {line}" for line in of_row),
+        "".join(f"\n  {line}" for line in of_inputs),
+    )
+    return dict(zip(keys, filled_in, strict=True))
 
 
 def _parts(code: FlightCode) -> dict[str, object]:
     by_role = {c.role: c for c in code.components}
     return {
-        "includes": "\n".join(f'#include "{h}"' for h in sorted([*BASE_HEADERS, *(c.header for c in code.components)])),
+        "includes": "\n".join(f'#include "{h}"' for h in sorted(_headers(code))),
         "aliases": "\n".join(f"  using {role.capitalize()} = {c.cpp}<S>;" for role, c in by_role.items()),
         "vehicle": "\n".join(f"    {line}" for line in _vehicle(code)),
         "parameters": "\n".join(
             f"    take(set_parameter(p.{c.role}, {_setting(p)});{_comment(p)}"
             for c in code.components
             for p in c.params
-        ),
+        )
+        + "".join(f"\n    {line}" for line in _gyros(code)),
         "allow_unstable": str(code.allow_unstable).lower(),
     }
+
+
+def _headers(code: FlightCode) -> list[str]:
+    return [*BASE_HEADERS, *([GYROS_HEADER] if code.gyros else []), *(c.header for c in code.components)]
+
+
+def _gimbals(code: FlightCode) -> dict[str, str]:
+    """What templates say of gimbals: nothing without them."""
+    n = code.actuators
+    said = {
+        "geometry": ",\n                                      gyrostat::ControlMomentGyros<S>",
+        "gimbal_field": f"\n  {code.name}_real gimbal[{n}]; /* rad, of each gimbal; 0 without one */",
+        "gimbal_member": f", gimbal[{n}]",
+        "take_gimbal": f"\n    take_recorded(d.row, measurement_gimbal, y.gimbal, {n});",
+    }
+    return said if code.gyros else dict.fromkeys(said, "")
+
+
+def _gyros(code: FlightCode) -> list[str]:
+    def vector(v: Sequence[float]) -> str:
+        return "{" + ", ".join(f"S({literal(x)})" for x in v) + "}"
+
+    return [
+        f"p.geometry.add({g['actuator']}, {vector(g['gimbal_axis_B'])},\n                   "
+        f"{vector(g['spin_axis_B'])}, S({literal(g['rotor_momentum'])}));  // N m s"
+        for g in code.gyros
+    ]
 
 
 def _setting(p: Parameter) -> str:
@@ -102,6 +163,8 @@ def _vehicle(code: FlightCode) -> list[str]:
             lines += [f"v.{pulse}.resize({n});", f"v.{pulse} << {filled_with([v[pulse]])};  // N m, {meaning}"]
     for mask in ("spare", "wheels"):
         lines += [f"v.{mask}.set({i});" for i in v[mask]]
+    if code.gyros:
+        lines.append("v.moving_axes = true;  // D_B is where they start")
     if v["orbit_rate"]:
         lines.append(f"v.orbit_rate = S({_number(v['orbit_rate'])});  // rad/s")
     return lines

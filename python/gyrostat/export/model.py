@@ -31,6 +31,18 @@ INPUTS = (
     "reference.omegadot_RN_R",
     "reference.event",
 )
+GIMBALS = ("measurement.gimbal",)
+"""Input of a stack that steers control moment gyros, beside the others."""
+SKY = (
+    "measurement.field_B",
+    "measurement.field_N",
+    "measurement.field_valid",
+    "measurement.sun_B",
+    "measurement.sun_N",
+    "measurement.sun_valid",
+)
+"""Inputs more, of a stack that flies on an orbit."""
+
 OUTPUTS = (
     "allocation.u",
     "allocation.achieved_B",
@@ -104,6 +116,8 @@ class FlightCode:
     dt: float
     vehicle: Mapping[str, Any]
     components: tuple[ComponentCode, ...]
+    gyros: tuple[Mapping[str, Any], ...]
+    """Control moment gyros: actuator, gimbal_axis_B, spin_axis_B, rotor_momentum."""
     allow_unstable: bool
     capacity: int
     """Most actuators that the library is compiled for: its storage is inline."""
@@ -118,6 +132,11 @@ class FlightCode:
     def actuators(self) -> int:
         """How many the vehicle has."""
         return len(self.vehicle["u_up"])
+
+    @property
+    def sees_the_sky(self) -> bool:
+        """Whether sun and field are among its inputs."""
+        return SKY[0] in self.columns
 
     def column(self, signal: str) -> NDArray[np.float64]:
         """The recorded rows of one signal, shape (samples, width)."""
@@ -153,6 +172,7 @@ def flight_code(scenario: Scenario, *, scalar: str, samples: int, name: str | No
         dt=model["dt"],
         vehicle=model["vehicle"],
         components=components,
+        gyros=tuple(model["gyros"]),
         allow_unstable=model["allow_unstable"],
         capacity=model["capacity"],
         bytes=model["bytes"],
@@ -213,8 +233,11 @@ def _recorded(scenario: Scenario, samples: int) -> tuple[dict[str, int], NDArray
     if 0 < samples <= intervals:
         intervals = samples - 1
     flown = scenario.replace(record=None, duration=intervals * scenario.dt)
-    result = flown.run(channels=[*INPUTS, *OUTPUTS])
-    blocks = {name: result.channels[name].reshape(len(result), -1) for name in (*INPUTS, *OUTPUTS)}
+    gimbals = GIMBALS if scenario.cmg is not None else ()
+    sky = SKY if scenario.orbit is not None else ()
+    signals = (*INPUTS, *gimbals, *sky, *OUTPUTS)
+    result = flown.run(channels=list(signals))
+    blocks = {name: result.channels[name].reshape(len(result), -1) for name in signals}
     return {name: block.shape[1] for name, block in blocks.items()}, np.hstack(list(blocks.values()))
 
 

@@ -15,7 +15,7 @@ from gyrostat.page import geometry, marks, panels
 from gyrostat.page.packing import clock, cost, pack, pack_indices
 from gyrostat.results import Result
 from gyrostat.thinning import within
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import ControlMomentGyros, all_actuators
 
 Array = NDArray[np.float64]
 
@@ -34,6 +34,8 @@ _channels = (
     "truth.q_NB",
     "truth.omega_BN_B",
     "truth.h_w",
+    "truth.gimbal",
+    "truth.rotor_momentum",
     "truth.delivered",
     "truth.effectiveness",
     "truth.lumped_B",
@@ -112,7 +114,7 @@ def content(runs: Mapping[str, Result]) -> Content:
 
 
 def _run(label: str, result: Result, color: int, budget: int) -> tuple[dict[str, Any], int]:
-    vehicle = with_thrusters(result.description)
+    vehicle = all_actuators(result.description)
     arrows = _arrows(result)
     per_actuator = {
         key: result.channels[name]
@@ -165,16 +167,31 @@ def _marks(result: Result) -> list[dict[str, Any]]:
 
 def _arrows(result: Result) -> list[tuple[str, str, str, Array]]:
     """Vectors in body axes: the total momentum, the torque that the actuators gave, the lumped torque."""
-    vehicle = with_thrusters(result.description)
+    vehicle = all_actuators(result.description)
     D = np.asarray(vehicle["D_B"], dtype=float)
     found: list[tuple[str, str, str, Array]] = []
     rate, h = (result.channels.get(name) for name in ("truth.omega_BN_B", "truth.h_w"))
+    rotors: Array | float = 0.0
+    block = result.description.get("cmg")
+    if block is not None:
+        gimbal, stored = (result.channels.get(name) for name in ("truth.gimbal", "truth.rotor_momentum"))
+        if gimbal is None or stored is None:
+            return found
+        gyros = ControlMomentGyros(**block)
+        others = D.shape[1] - gyros.count
+        axes, spin = gyros.turned(gimbal[:, others:])
+        D = np.concatenate([np.broadcast_to(D[:, :others], (len(result), 3, others)), axes], axis=2)
+        rotors = np.einsum("kij,kj->ki", spin, stored[:, others:])
+
+    def along(h: Array) -> Array:
+        return np.asarray(np.einsum("kij,kj->ki", D, h) if D.ndim == 3 else h @ D.T)
+
     if rate is not None and h is not None:
-        momentum = rate @ geometry.body_inertia(vehicle).T + h @ D.T
+        momentum = rate @ geometry.body_inertia(vehicle).T + along(h) + rotors
         found.append(("momentum", "angular momentum", "N m s", momentum))
     delivered = result.channels.get("truth.delivered")
     if delivered is not None:
-        found.append(("torque", "torque of the actuators", "N m", delivered @ D.T))
+        found.append(("torque", "torque of the actuators", "N m", along(delivered)))
     if "truth.lumped_B" in result.channels:
         found.append(("lumped", "lumped torque", "N m", result["truth.lumped_B"]))
     return found

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gyrostat.metrics import DEFAULT_BAND
 from gyrostat.results import Result
-from gyrostat.vehicle import with_thrusters
+from gyrostat.vehicle import all_actuators
 
 Array = NDArray[np.float64]
 Style = Literal["solid", "true", "lower", "upper"]
@@ -152,8 +152,9 @@ def _largest(channel: str) -> Callable[[Result], Array]:
 
 def _command(result: Result) -> Panel:
     u = result["allocation.u"]
-    vehicle = with_thrusters(result.description)
-    return Panel("command", "Command of each actuator", "N m", _columns(u, _numbers(u)), _limits(vehicle))
+    vehicle = all_actuators(result.description)
+    unit = "N m; magnetorquers A m^2" if vehicle.get("magnetorquers") else "N m"
+    return Panel("command", "Command of each actuator", unit, _columns(u, _numbers(u)), _limits(vehicle))
 
 
 def _limits(vehicle: Mapping[str, Any]) -> list[tuple[float, str]]:

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "../flight/vehicles.hpp"
@@ -14,9 +15,15 @@
 
 namespace gyrostat::test {
 
+/// `T(setup, {})` does not compile: parameters that `check` refuses reach no component but by the word `unchecked`.
+template <class T>
+concept TakesNoUncheckedParameters =
+    !std::is_constructible_v<T, const Setup<typename T::Scalar>&, const typename T::Params&>;
+
 /// Of observer, detector, controller, allocator and, if it likes, navigator.
 template <class O, class... Others>
 auto stack_of(const Setup<typename O::Scalar>& s) {
+  static_assert(TakesNoUncheckedParameters<O> && (TakesNoUncheckedParameters<Others> && ...));
   return by_default<FlightStack<O, Others...>>(s);
 }
 

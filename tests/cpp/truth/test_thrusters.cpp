@@ -13,7 +13,13 @@ namespace {
 const auto punctual = [](double) { return Span{0, 0}; };
 
 Thrusters pulsed(double period, double tick, int min_on = 1, int min_off = 1) {
-  return {.each = {Thruster{}}, .period = period, .tick = tick, .min_on = min_on, .min_off = min_off};
+  Thrusters how;
+  how.each.resize(1);
+  how.period = period;
+  how.tick = tick;
+  how.min_on = min_on;
+  how.min_off = min_off;
+  return how;
 }
 
 /// s that a valve is open in [a, b], from edge to edge.

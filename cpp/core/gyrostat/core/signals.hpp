@@ -33,8 +33,10 @@ struct Vehicle {
   VecN<S> u_gap;        ///< N m, smallest distance from u_up that they keep: what is nearer is u_up
   Mask spare;           ///< off until a detector enables them
   Mask wheels;          ///< actuators that store momentum (h_w)
+  Mask magnetorquers;   ///< actuators that are a dipole (A m^2): their D_B is zero but in `Axes`
   S orbit_rate = S(0);  ///< rad/s, circular orbit
   Coordinates coordinates = Coordinates::body;
+  bool moving_axes = false;  ///< D_B is where they start: the signals say where they are (Axes)
 
   int actuators() const noexcept { return static_cast<int>(D_B.cols()); }
 };
@@ -77,7 +79,7 @@ enum class Flag : std::uint16_t {
   cap_reached = 16,     ///< a solve is not proven optimal (an iteration limit, rounding): best so far was used
   bad_input = 32,       ///< an allocator refused its input
   rank_lost = 64,       ///< an axis of torque cannot be produced, or is too weak, and was dropped
-  singular = 128,       ///< near a singularity of the chart in use
+  singular = 128,       ///< near a singularity: of the chart in use, or of the gimbals
   breach = 256,         ///< a promised bound was left
 };
 
@@ -107,14 +109,21 @@ struct Measurement {
   Quat<S> q_NB = Quat<S>::Identity();    ///< sign continuous from the initial state
   Vec3<S> omega_BN_B = Vec3<S>::Zero();  ///< rad/s
   VecN<S> h_w;                           ///< N m s, one an actuator; zero for ideal torquers
+  VecN<S> gimbal;                        ///< rad, one an actuator; zero for those that have none, empty without any
   EulerState<S>
       euler;  ///< the state in euler_angles coordinates, where it shares the validity of q_NB; else for the curious
   bool attitude_valid = true, rate_valid = true, momentum_valid = true;
   Vec3<S> rate_step =
-      Vec3<S>::Zero();      ///< rad/s, share of the change of the rate that is knowledge, not motion: a navigator
-                            ///< has moved its gyro bias by less so much
-  Axes<S> axes;             ///< the stack sets them
-  std::uint32_t event = 0;  ///< counts jumps that no motion explains; the stack sets it
+      Vec3<S>::Zero();  ///< rad/s, share of the change of the rate that is knowledge, not motion: a navigator
+                        ///< has moved its gyro bias by less so much
+  Vec3<S> field_B = Vec3<S>::Zero();  ///< T, magnetic field
+  bool field_valid = false;           ///< it was measured at this sample
+  bool sun_valid = false;             ///< sun_B was measured at this sample
+  Vec3<S> sun_B = Vec3<S>::Zero();    ///< unit, direction to the sun
+  Vec3<S> field_N = Vec3<S>::Zero();  ///< T, the field as the orbit and a model of it have it; zero: not known
+  Vec3<S> sun_N = Vec3<S>::Zero();    ///< unit, the sun as the almanac has it; zero: not known
+  Axes<S> axes;                       ///< the stack sets them
+  std::uint32_t event = 0;            ///< counts jumps that no motion explains; the stack sets it
 };
 
 /// -> controller
@@ -136,12 +145,13 @@ struct Estimate {
   Vec3<S> omega_BN_B = Vec3<S>::Zero();
   VecN<S> h_w;
   EulerState<S> euler;
-  VecN<S> effectiveness;          ///< delivered / commanded, one an actuator
-  VecN<S> effectiveness_bound;    ///< relative half-width; infinity: never excited
-  Vec3<S> d_B = Vec3<S>::Zero();  ///< N m, what effectiveness does not explain
-  Axes<S> axes;                   ///< of the measurement
-  bool momentum_valid = true;     ///< of the measurement: h_w was measured at this sample; the stack sets it
-  std::uint32_t event = 0;        ///< of the measurement: counts jumps of the state that no motion explains
+  VecN<S> effectiveness;              ///< delivered / commanded, one an actuator
+  VecN<S> effectiveness_bound;        ///< relative half-width; infinity: never excited
+  Vec3<S> d_B = Vec3<S>::Zero();      ///< N m, what effectiveness does not explain
+  Axes<S> axes;                       ///< of the measurement
+  Vec3<S> field_B = Vec3<S>::Zero();  ///< T, of the measurement; the stack sets it
+  bool momentum_valid = true;         ///< of the measurement: h_w was measured at this sample; the stack sets it
+  std::uint32_t event = 0;            ///< of the measurement: counts jumps of the state that no motion explains
   Flags status;
 
   /// Measured state, healthy actuators of unknown certainty, no disturbance: what an observer does not estimate stays so.

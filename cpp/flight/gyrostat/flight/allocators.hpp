@@ -6,10 +6,12 @@
 #include "gyrostat/flight/allocators/lexicographic_scaled.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
 #include "gyrostat/flight/allocators/robust_socp.hpp"
+#include "gyrostat/flight/allocators/singularity_robust.hpp"
 #include "gyrostat/flight/allocators/weighted_least_squares.hpp"
 
 namespace gyrostat {
 
-using Allocators = Components<Lexicographic, LexicographicScaled, PseudoInverse, RobustSocp, WeightedLeastSquares>;
+using Allocators =
+    Components<Lexicographic, LexicographicScaled, PseudoInverse, RobustSocp, SingularityRobust, WeightedLeastSquares>;
 
 }  // namespace gyrostat

@@ -18,4 +18,23 @@ concept Geometry = requires(G geometry, const Vehicle<S>& vehicle, const Measure
 /// Wheels and fixed thrusters: the axes of the vehicle, and nothing to do.
 struct FixedAxes {};
 
+/// Magnetorquers turn the vehicle across the field that was measured; all others stay where the vehicle has them.
+template <class S>
+struct MagneticAxes {
+  Mat3N<S> dipole_B{3, 0};     ///< axes of the magnetorquers' dipoles, in their columns
+  std::uint32_t revision = 0;  ///< of the axes given last
+
+  Axes<S> operator()(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    Axes<S> axes;
+    if (!vehicle.magnetorquers.any()) return axes;
+    axes.D_B = vehicle.D_B;
+    for (int i = 0; i < vehicle.actuators(); ++i) {
+      if (vehicle.magnetorquers.test(i)) axes.D_B.col(i) = Vec3<S>(dipole_B.col(i)).cross(y.field_B);
+    }
+    axes.h_B = torque<S>(vehicle.D_B, y.h_w);
+    axes.revision = ++revision;
+    return axes;
+  }
+};
+
 }  // namespace gyrostat

@@ -25,6 +25,7 @@ class Estimator {
     x_ = observer.start(y);
     if (!guard_.possible(x_)) healthy_instead(y);
     x_.axes = y.axes;
+    x_.field_B = y.field_B;
     x_.event = event_ = y.event;
     x_.momentum_valid = y.momentum_valid;
     measured_ = y.rate_valid && y.momentum_valid;
@@ -44,6 +45,7 @@ class Estimator {
       restarted(actions_.observer);
     }
     x_.axes = y.axes;
+    x_.field_B = y.field_B;
     x_.event = event_ = y.event;
     x_.momentum_valid = y.momentum_valid;
     measured_ = measured;

@@ -4,7 +4,8 @@
 ///
 /// A plain struct has members with the names of the signal, as numbers and arrays, quaternions scalar first: from
 /// `struct { uint64_t tick; double q_NB[4], omega_BN_B[3], h_w[4]; uint8_t attitude_invalid, rate_invalid, momentum_invalid; }`
-/// comes a Measurement of four actuators. Zero memory says that all was measured: what is not, is said.
+/// comes a Measurement of four actuators. Zero memory says that all was measured: what is not, is said. It may have a sun and a field
+/// (`field_valid`, `sun_valid`, `field_B`, `field_N`, `sun_B`, `sun_N`); what was measured of these is said.
 /// tests/consumer/wheels.cpp is one by hand, `gyrostat export --target c` writes one. Page: docs/export.md
 #pragma once
 #include <cstddef>
@@ -82,9 +83,22 @@ Measurement<S> measurement_from(const Plain& in) noexcept {
   y.omega_BN_B = detail::vec3_from<S>(in.omega_BN_B);
   y.h_w.resize(static_cast<Eigen::Index>(std::size(in.h_w)));
   for (std::size_t i = 0; i < std::size(in.h_w); ++i) y.h_w[static_cast<Eigen::Index>(i)] = static_cast<S>(in.h_w[i]);
+  if constexpr (requires { in.gimbal; }) {
+    y.gimbal.resize(static_cast<Eigen::Index>(std::size(in.gimbal)));
+    for (std::size_t i = 0; i < std::size(in.gimbal); ++i)
+      y.gimbal[static_cast<Eigen::Index>(i)] = static_cast<S>(in.gimbal[i]);
+  }
   y.attitude_valid = in.attitude_invalid == 0;
   y.rate_valid = in.rate_invalid == 0;
   y.momentum_valid = in.momentum_invalid == 0;
+  if constexpr (requires { in.field_valid; }) {
+    y.field_valid = in.field_valid != 0;
+    y.sun_valid = in.sun_valid != 0;
+    y.field_B = detail::vec3_from<S>(in.field_B);
+    y.field_N = detail::vec3_from<S>(in.field_N);
+    y.sun_B = detail::vec3_from<S>(in.sun_B);
+    y.sun_N = detail::vec3_from<S>(in.sun_N);
+  }
   return y;
 }
 

@@ -9,6 +9,7 @@
 ///   rate          100 rad a sample
 ///   reference     1 rad a sample; 1000 T / J, but at least 0.2 rad/s a sample
 ///   momentum      1000 J rad a sample
+///   field         1 mT
 ///   demand        1e6 J rad a sample^2
 ///   d_B           1000 T;                    without limits, 1e6 J rad a sample^2
 ///   command       no less than the limits;   without limits, 1000 J rad a sample^2
@@ -74,6 +75,9 @@ class Guard {
   }
   bool rate_possible(const Vec3<S>& omega) const noexcept { return within(omega, rate_); }
   bool momentum_possible(const VecN<S>& h_w) const noexcept { return one_each(h_w) && within(h_w, momentum_); }
+
+  bool field_possible(const Vec3<S>& field_B) const noexcept { return within(field_B, S(1e-3)); }
+  bool sun_possible(const Vec3<S>& sun_B) const noexcept { return within(sun_B, S(1.1)); }
 
   bool possible(const Reference<S>& r) const noexcept {
     const bool body =

@@ -22,6 +22,7 @@ class Inputs {
     } else {
       begin(guard, in);
     }
+    take_field(guard, in);
     return begun_;
   }
 
@@ -39,6 +40,18 @@ class Inputs {
     if (replaced_.reference) return;
     ref_ = ref;
     ref_known_ = true;
+  }
+
+  /// A field that was not measured stands still in space.
+  void take_field(const Guard<S>& guard, const Measurement<S>& in) noexcept {
+    if (!guard.vehicle().magnetorquers.any() || !guard.attitude_possible(y_)) return;
+    y_.field_valid = in.field_valid && guard.field_possible(in.field_B);
+    if (y_.field_valid) {
+      y_.field_B = in.field_B;
+      field_N_ = y_.q_NB * in.field_B;
+    } else {
+      y_.field_B = y_.q_NB.conjugate() * field_N_;
+    }
   }
 
   void judge(const Guard<S>& guard, const Measurement<S>& in) noexcept {
@@ -105,7 +118,8 @@ class Inputs {
   void replace_all() noexcept { replaced_.attitude = replaced_.rate = replaced_.momentum = true; }
 
   Measurement<S> y_;
-  Measurement<S> doubted_;  ///< what was measured at the sample before, where it was doubted
+  Measurement<S> doubted_;             ///< what was measured at the sample before, where it was doubted
+  Vec3<S> field_N_ = Vec3<S>::Zero();  ///< T, when it was measured last
   Reference<S> ref_;
   GuardActions replaced_;
   int doubts_ = 0;  ///< samples in a row

@@ -25,6 +25,9 @@ class Navigation {
     sensed_.attitude_valid = !again && in.attitude_valid && guard.attitude_possible(in);
     sensed_.rate_valid = !again && in.rate_valid && guard.rate_possible(in.omega_BN_B);
     sensed_.momentum_valid = !again && in.momentum_valid && guard.momentum_possible(in.h_w);
+    sensed_.field_valid =
+        !again && in.field_valid && guard.field_possible(in.field_B) && guard.field_possible(in.field_N);
+    sensed_.sun_valid = !again && in.sun_valid && guard.sun_possible(in.sun_B) && guard.sun_possible(in.sun_N);
     y_ = started_ ? navigator.step(sensed_) : navigator.start(sensed_);
     restarted_ = !guard.possible(y_);
     if (restarted_) {

@@ -18,6 +18,7 @@
 
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/axes.hpp"
+#include "gyrostat/flight/desaturation.hpp"
 #include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/estimator.hpp"
 #include "gyrostat/flight/inputs.hpp"
@@ -26,10 +27,12 @@
 
 namespace gyrostat {
 
-/// In front of the observer stands a navigator, which sees every sample, valid or not; `G` says where actuators point.
+/// In front of the observer stands a navigator, which sees every sample, valid or not; `G` says where actuators point, `M` adds
+/// to what the controller asks for.
 template <Observer O, Detector D, Controller C, Allocator A, Navigator N = NoNavigator<typename O::Scalar>,
-          class G = FixedAxes>
-  requires(std::same_as<G, FixedAxes> || Geometry<G, typename O::Scalar>)
+          class G = FixedAxes, class M = NoManagement>
+  requires(std::same_as<G, FixedAxes> || Geometry<G, typename O::Scalar>) &&
+          (std::same_as<M, NoManagement> || Management<M, typename O::Scalar>)
 class FlightStack {
  public:
   using Scalar = typename O::Scalar;
@@ -48,6 +51,7 @@ class FlightStack {
     typename C::Params controller;
     typename A::Params allocator;
     typename N::Params navigator;
+    [[no_unique_address]] G geometry{};  ///< of moving axes
 
     explicit Params(const Setup<Scalar>& setup) noexcept
         : observer(setup), detector(setup), controller(setup), allocator(setup), navigator(setup) {}
@@ -65,11 +69,11 @@ class FlightStack {
   FlightStack(Unchecked, const Setup<Scalar>& setup, const Params& p)
       : FlightStack(unchecked, setup, O(unchecked, setup, p.observer), D(unchecked, setup, p.detector),
                     C(unchecked, setup, p.controller), A(unchecked, setup, p.allocator),
-                    N(unchecked, setup, p.navigator)) {}
+                    N(unchecked, setup, p.navigator), p.geometry) {}
 
   /// Of components that are there already; whether they agree with each other nobody asks.
   FlightStack(Unchecked, const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_, N navigator_,
-              G geometry = {})
+              G geometry = {}, M management = {})
       : navigation(std::move(navigator_)),
         estimator(setup, std::move(observer), std::move(detector)),
         controller(std::move(controller_)),
@@ -77,6 +81,7 @@ class FlightStack {
         du_max_(setup.vehicle.u_rate * setup.dt),
         pulses_(any_pulses(setup.vehicle)),
         geometry_(std::move(geometry)),
+        management_(std::move(management)),
         last_(idle()) {}
 
   FlightStack(Unchecked, const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_)
@@ -118,6 +123,7 @@ class FlightStack {
       hold = actions_.controller = true;
     }
     if (demand_.u_pref.size() == 0) demand_.u_pref.setZero(vehicle().actuators());
+    if constexpr (!std::same_as<M, NoManagement>) management_(vehicle(), x, det, demand_);
     if (det.u_probe.size() != 0) demand_.u_pref += det.u_probe;
     Allocation<Scalar> next = allocator.step(demand_, x, det);
     if (!guard().possible(next)) {
@@ -190,6 +196,7 @@ class FlightStack {
   VecN<Scalar> du_max_;  ///< N m a sample
   bool pulses_;          ///< some actuators are on/off
   [[no_unique_address]] G geometry_;
+  [[no_unique_address]] M management_;
   Inputs<Scalar> inputs_;
   Demand<Scalar> demand_;
   Allocation<Scalar> last_;

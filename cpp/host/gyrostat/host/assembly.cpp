@@ -221,26 +221,97 @@ void add_thrusters(const ThrusterAxes& more, Assembly& a, VecN<double>& wheel_in
   vehicle.u_gap = joined(others, tick * more.thrusters.min_off);
 }
 
+/// Control moment gyros, in the order of their rows; channels are counted from `first` on.
+std::vector<truth::ControlMomentGyro> read_gyros(const Table& table, int first, VecN<double>& u_max) {
+  const Value* axes = table.find("gimbal_axes");
+  const List* rows = axes == nullptr ? nullptr : axes->as<List>();
+  if (rows == nullptr || rows->empty()) refuse("cmg: gimbal_axes is missing: a row of three numbers a gyro");
+  const int n = static_cast<int>(rows->size());
+  if (first + n > max_actuators)
+    refuse("cmg: " + std::to_string(first + n) + " actuators in all; at most " + std::to_string(max_actuators));
+  const CmgBlock c = read_params(CmgBlock{}, table, Place{"cmg", n});
+  const auto axis = [&](const std::vector<std::vector<double>>& list, int i, const char* key) -> Vec3<double> {
+    const std::string where = "cmg: gyro " + std::to_string(i) + ": " + key;
+    if (static_cast<int>(list.size()) != n)
+      refuse(std::string("cmg: ") + key + " has " + std::to_string(list.size()) + " rows; one a gyro belongs here, " +
+             std::to_string(n));
+    const std::vector<double>& row = list[static_cast<std::size_t>(i)];
+    if (row.size() != 3) refuse(where + " has " + std::to_string(row.size()) + " numbers; a row is an axis, of three");
+    const Vec3<double> v{row[0], row[1], row[2]};
+    if (std::abs(v.norm() - 1.0) > 1e-6)
+      refuse(where + " has length " + number_text(v.norm()) + "; a unit vector belongs here");
+    return v.normalized();
+  };
+  if (c.rotor_momentum.size() == 0) refuse("cmg: rotor_momentum is missing, N m s");
+  if (c.rate_max.size() == 0) refuse("cmg: rate_max is missing, rad/s");
+  std::vector<truth::ControlMomentGyro> gyros;
+  u_max = c.rotor_momentum.cwiseProduct(c.rate_max);
+  for (int i = 0; i < n; ++i) {
+    const std::string gyro = "cmg: gyro " + std::to_string(i) + ": ";
+    const Vec3<double> g = axis(c.gimbal_axes, i, "gimbal_axes"), s = axis(c.spin_axes, i, "spin_axes");
+    if (std::abs(g.dot(s)) > 1e-6)
+      refuse(gyro + "the spin axis must be perpendicular to the gimbal axis; the cosine between them is " +
+             number_text(g.dot(s)));
+    if (!(c.rotor_momentum[i] > 0)) refuse(gyro + "rotor_momentum must be positive");
+    if (!(c.rate_max[i] > 0)) refuse(gyro + "rate_max must be positive");
+    const double angle = c.angles.size() == 0 ? 0.0 : c.angles[i];
+    const double most = c.angle_max.size() == 0 ? detail::infinite : c.angle_max[i];
+    if (std::abs(angle) > most)
+      refuse(gyro + "angles = " + number_text(angle) + " rad is beyond angle_max = " + number_text(most) + " rad");
+    gyros.push_back({first + i, g, (s - g.dot(s) * g).normalized(), c.rotor_momentum[i], angle, most, {}});
+  }
+  return gyros;
+}
+
+/// What flight knows of them: the axes at the start stand behind those of the other actuators.
+void place_gyros(Assembly& a, const std::vector<truth::ControlMomentGyro>& gyros) {
+  Vehicle<double>& vehicle = a.setup.vehicle;
+  vehicle.moving_axes = !gyros.empty();
+  for (const truth::ControlMomentGyro& gyro : gyros) {
+    a.vehicles.gyros.add(gyro.channel, gyro.gimbal_axis_B, gyro.spin_axis_B, gyro.rotor_momentum);
+    const double c = std::cos(gyro.angle), s = std::sin(gyro.angle);
+    vehicle.D_B.col(gyro.channel) = s * gyro.spin_axis_B - c * gyro.transverse_B();
+  }
+}
+
+/// It makes no torque of its own: what it makes depends on the field, which only a sample knows.
+void add_magnetorquer(Vehicle<double>& vehicle, int i, double wheel_inertia) {
+  const std::string actuator = "vehicle: actuator " + std::to_string(i);
+  if (wheel_inertia != 0) refuse(actuator + " cannot be a wheel and a magnetorquer");
+  const double length = vehicle.D_B.col(i).norm();
+  if (std::abs(length - 1) > 1e-6) {
+    refuse("vehicle: D_B column " + std::to_string(i) + " is a dipole axis of length " + number_text(length) +
+           "; a unit vector belongs here");
+  }
+  vehicle.D_B.col(i).setZero();
+}
+
 void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inertia) {
   Table table = block(scenario, "vehicle");
   if (table.empty()) refuse("vehicle is missing: J_B and D_B at least");
   // The number of actuators is known once the axes are.
   VehicleBlock axes;
   Place place{"vehicle"};
+  const Table& cmg = block(scenario, "cmg");
   const Value* D = table.find("D_B");
-  const bool only_thrusters = (D == nullptr || D->is_none()) && !block(scenario, "thrusters").empty();
-  if (only_thrusters) {
-    axes.D_B.resize(3, 0);
-  } else {
-    if (D == nullptr) place.refuse("D_B is missing: actuator axes in columns, body frame");
+  if (D != nullptr && D->is_none()) D = nullptr;
+  if (D != nullptr) {
     read(*D, Key{place, "D_B", -1e6, 1e6}, axes.D_B);
+  } else if (cmg.empty() && block(scenario, "thrusters").empty()) {
+    place.refuse("D_B is missing: actuator axes in columns, body frame");
+  } else {
+    axes.D_B.resize(3, 0);
   }
-  const int n = static_cast<int>(axes.D_B.cols());
+  const int others = static_cast<int>(axes.D_B.cols());
+  VecN<double> gyro_max;
+  std::vector<truth::ControlMomentGyro> gyros;
+  if (!cmg.empty()) gyros = read_gyros(cmg, others, gyro_max);
+  const int n = others + static_cast<int>(gyros.size());
   place.actuators = n;
   const ThrusterAxes more = read_thrusters(scenario, a.run.dt, n);
   const auto k = more.D_B.cols();
   VehicleBlock given;
-  if (only_thrusters) given.D_B = axes.D_B;
+  if (D == nullptr) given.D_B = axes.D_B;
   if (const Value* spare = table.find("spare"); k > 0 && spare != nullptr && !spare->is_none()) {  // of all actuators
     const Place all{"vehicle", n + static_cast<int>(k)};
     read(*spare, Key{all, "spare"}, a.setup.vehicle.spare);
@@ -248,35 +319,57 @@ void read_vehicle(const Table& scenario, Assembly& a, VecN<double>& wheel_inerti
   }
   const VehicleBlock v = read_params(given, table, place);
   check_inertia(v.J_B, "vehicle: J_B");
-  Mat3N<double> all_axes(3, n + k);
-  all_axes << v.D_B, more.D_B;
-  check_rank(all_axes, k == 0 ? "vehicle: D_B" : "vehicle: D_B, with the thrusters' axes,");
 
   Vehicle<double>& vehicle = a.setup.vehicle;
-  vehicle.D_B = v.D_B;
+  vehicle.D_B.resize(3, n);
+  vehicle.D_B.leftCols(others) = v.D_B;
+  place_gyros(a, gyros);
+  a.plant.gyros = gyros;
+  if (gyros.empty()) {  // gimbals may start where they are singular
+    Mat3N<double> all_axes(3, n + k);
+    all_axes << vehicle.D_B, more.D_B;
+    check_rank(all_axes, k == 0 ? "vehicle: D_B" : "vehicle: D_B, with the thrusters' axes,");
+  }
   vehicle.u_up = VecN<double>::Constant(n, detail::infinite);
   vehicle.u_lo = -vehicle.u_up;
   limits(v.u_max, v.u_min, vehicle.u_lo, vehicle.u_up, "vehicle");
+  for (const truth::ControlMomentGyro& gyro : gyros) {
+    const double most = gyro_max[gyro.channel - others];
+    vehicle.u_up[gyro.channel] = std::min(vehicle.u_up[gyro.channel], most);
+    vehicle.u_lo[gyro.channel] = std::max(vehicle.u_lo[gyro.channel], -most);
+  }
   vehicle.u_rate = or_constant(v.u_rate, n, detail::infinite);
   vehicle.h_max = or_constant(v.momentum_max, n, detail::infinite);
   vehicle.spare = vehicle.spare | v.spare;
+  vehicle.magnetorquers = v.magnetorquers;
   vehicle.orbit_rate = v.orbit_rate;
   vehicle.coordinates = v.coordinates;
+  if (!gyros.empty() && v.coordinates != Coordinates::body) refuse("cmg: gyros fly on body coordinates");
   wheel_inertia = or_constant(v.wheel_inertia, n, 0.0);
   for (int i = 0; i < n; ++i) {
+    if (v.magnetorquers.test(i)) {
+      if (i >= others) refuse("vehicle: magnetorquers: actuator " + std::to_string(i) + " is a control moment gyro");
+      add_magnetorquer(vehicle, i, wheel_inertia[i]);
+    }
     if (wheel_inertia[i] == 0.0) {
       if (std::isfinite(vehicle.h_max[i]))
         refuse("vehicle: momentum_max of actuator " + std::to_string(i) + " needs a wheel_inertia");
       continue;
     }
+    if (i >= others)
+      refuse("vehicle: wheel_inertia of actuator " + std::to_string(i) + ", a control moment gyro, must be 0");
     vehicle.wheels.set(i);
     if (std::abs(v.D_B.col(i).norm() - 1.0) > 1e-6) {
       refuse("vehicle: D_B column " + std::to_string(i) + " is a wheel axis of length " +
              number_text(v.D_B.col(i).norm()) + "; a unit vector belongs here");
     }
   }
-  vehicle.J_B = v.J_B - wheel_inertia_sum(v.D_B, wheel_inertia);
+  vehicle.J_B = v.J_B - wheel_inertia_sum(vehicle.D_B, wheel_inertia);
   if (k > 0) add_thrusters(more, a, wheel_inertia);
+  a.vehicles.D_B = vehicle.D_B;
+  for (int i = 0; i < others; ++i) {
+    if (v.magnetorquers.test(i)) a.vehicles.D_B.col(i) = v.D_B.col(i);
+  }
   if (!(eigenvalues(vehicle.J_B)[0] > 0)) {
     refuse(
         "vehicle: J_B (of the whole vehicle) less the wheels' axial inertia is not positive definite; is J_B without "
@@ -290,11 +383,17 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   truth::PlantModel& plant = a.plant;
   const int k = static_cast<int>(plant.actuators.thrusters.each.size());  // what follows is of the others, but for dD_B
   const TruthBlock t = read_params(TruthBlock{}, block(scenario, "truth"), Place{"truth", n - k});
-  plant.D_B = nominal.D_B;
+  plant.D_B = a.vehicles.D_B;
+  plant.magnetorquers = nominal.magnetorquers;
   if (t.dD_B.cols() != 0) {
     if (t.dD_B.cols() != n)
       refuse("truth: dD_B has " + std::to_string(t.dD_B.cols()) + " columns; the vehicle has " + std::to_string(n) +
              " actuators");
+    for (const truth::ControlMomentGyro& gyro : plant.gyros) {
+      if (t.dD_B.col(gyro.channel).isZero(0)) continue;
+      refuse("truth: dD_B of actuator " + std::to_string(gyro.channel) +
+             ", a control moment gyro, must be 0: its axis moves");
+    }
     plant.D_B += t.dD_B;
   }
   const Mat3<double> total = nominal.J_B + wheel_inertia_sum(nominal.D_B, wheel_inertia) + t.dJ_B;
@@ -314,6 +413,39 @@ void read_truth(const Table& scenario, Assembly& a, const VecN<double>& wheel_in
   actuators.coulomb_friction = joined(or_constant(t.coulomb_friction, n - k, 0.0), zero);
   actuators.momentum_max = t.momentum_max.size() != 0 ? joined(t.momentum_max, infinite) : nominal.h_max;
   a.vehicles.D_true_B = plant.D_B;
+}
+
+/// Where it flies. The orbit's rate is the vehicle's, unless that says another one.
+void read_orbit(const Table& scenario, Assembly& a) {
+  const Table& table = block(scenario, "orbit");
+  if (table.empty()) {
+    if (a.setup.vehicle.magnetorquers.any()) refuse("vehicle: magnetorquers need an orbit, for its field");
+    return;
+  }
+  const Place place{"orbit"};
+  const truth::OrbitElements elements = read_params(truth::OrbitElements{}, table, place);
+  if (table.find("sun_N") != nullptr && table.find("sun_longitude") != nullptr)
+    place.refuse("give one of sun_N and sun_longitude");
+  if (const std::string error = elements.check(); !error.empty()) place.refuse(error);
+  Vehicle<double>& vehicle = a.setup.vehicle;
+  if (vehicle.coordinates != Coordinates::body) place.refuse("flies on body coordinates");
+  a.plant.orbit.emplace(elements);
+  const double n = a.plant.orbit->mean_motion();
+  if (vehicle.orbit_rate != 0 && std::abs(vehicle.orbit_rate - n) > 1e-6 * n) {
+    refuse("vehicle: orbit_rate = " + number_text(vehicle.orbit_rate) + " rad/s; that of the orbit is " +
+           number_text(n) + ": leave it out");
+  }
+  vehicle.orbit_rate = a.plant.orbit_rate = n;
+  a.vehicles.orbit = a.plant.orbit;
+}
+
+/// What the stack does about momentum.
+void read_desaturation(const Table& scenario, Assembly& a) {
+  const Value* value = scenario.find("desaturation");
+  if (value == nullptr || value->is_none()) return;
+  const Place place{"desaturation"};
+  if (!a.setup.vehicle.magnetorquers.any()) place.refuse("the vehicle has no magnetorquers to do it with");
+  a.desaturation = read_params(DesaturationBlock{}, table_of(*value, "desaturation"), place);
 }
 
 /// Modes of appendages, whose inertia the true body has.
@@ -365,6 +497,10 @@ void read_faults(const Table& scenario, Assembly& a) {
           if (!window.ordered())
             refuse(where + "t_off = " + number_text(window.t_off) +
                    " must be after t_on = " + number_text(window.t_on) + " s");
+          if constexpr (std::same_as<std::decay_t<decltype(fault)>, truth::RotorSlowDown>) {
+            if (!a.vehicles.gyros.gyros().test(window.actuator))
+              refuse(where + "actuator " + std::to_string(window.actuator) + " is no control moment gyro");
+          }
         },
         a.plant.faults[i]);
   }
@@ -392,6 +528,18 @@ void read_initial(const Table& scenario, Assembly& a, const VecN<double>& wheel_
   }
 }
 
+Surroundings surroundings_of(const Assembly& a) { return {a.plant.orbit, a.plant.orbit_rate}; }
+
+void read_reference(const Table& scenario, Assembly& a) {
+  const Table& table = block(scenario, "reference");
+  a.reference_outside = !table.empty() && type_of(table, "reference") == "python";
+  if (a.reference_outside) return;
+  a.reference = read_typed<ReferenceSpec>("reference", table, "reference", a.setup.vehicle.actuators(), "hold");
+  const std::string name = std::visit([](const auto& r) { return std::string(r.name); }, a.reference);
+  if (name != Nadir::name && name != Target::name && name != SunPointing::name && name != TwoVector::name) return;
+  ReferencePath(a.reference, a.setup.dt, surroundings_of(a), "reference '" + name + "'").survey(a.ticks);
+}
+
 void read_run(const Table& scenario, Assembly& a) {
   Table run;
   for (const char* key : {"duration", "dt", "seed", "run_number", "allow_unstable"}) {
@@ -412,10 +560,10 @@ void read_run(const Table& scenario, Assembly& a) {
 
 void refuse_unknown_keys(const Table& scenario) {
   static const std::vector<std::string> known = {
-      "name",           "description",  "duration",  "dt",         "seed",      "run_number",
-      "allow_unstable", "vehicle",      "truth",     "flexible",   "thrusters", "initial",
-      "navigator",      "observer",     "detector",  "controller", "allocator", "faults",
-      "shadows",        "disturbances", "reference", "sensors",    "record",    "integrator"};
+      "name",    "description",  "duration",  "dt",           "seed",       "run_number", "allow_unstable",
+      "vehicle", "truth",        "orbit",     "desaturation", "flexible",   "cmg",        "thrusters",
+      "initial", "navigator",    "observer",  "detector",     "controller", "allocator",  "faults",
+      "shadows", "disturbances", "reference", "sensors",      "record",     "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 
@@ -470,6 +618,10 @@ void fill_from_sensors(const Assembly& a, const Family<Base>& family, ComponentS
       tell("q_BS", tracker->q_BS.w() != 1, [&] { return write(tracker->q_BS); });
       tell("latency", tracker->latency > 0, [&] { return tracker->latency; });
     }
+    if (const auto* sun = std::get_if<truth::SunSensor>(&sensor))
+      tell("sun_noise", sun->noise > 0, [&] { return sun->noise; });
+    if (const auto* field = std::get_if<truth::Magnetometer>(&sensor))
+      tell("field_noise", field->noise > 0, [&] { return field->noise; });
     if (const auto* tachometer = std::get_if<truth::Tachometer>(&sensor))
       tell("momentum_delay", tachometer->delay > 0, [&] { return tachometer->delay; });
   }
@@ -488,7 +640,8 @@ void fill_from_sensors(Assembly& a) {
 
 /// Refuses sensors that cannot be, before anything flies.
 void check_sensors(const Assembly& a) {
-  (void)truth::Sensors(a.sensors, a.run.seed, a.run.run_number, false, a.setup.dt, a.setup.vehicle.wheels);
+  (void)truth::Sensors(a.sensors, a.run.seed, a.run.run_number, false, a.setup.dt, a.setup.vehicle.wheels,
+                       a.plant.orbit);
   if (a.setup.vehicle.coordinates == Coordinates::body) return;
   for (const truth::Sensor& sensor : a.sensors) {
     if (std::holds_alternative<truth::StarTracker>(sensor)) refuse("sensor star_tracker: flies on body coordinates");
@@ -528,6 +681,8 @@ Assembly assemble(const Table& scenario) {
   read_run(scenario, a);
   read_vehicle(scenario, a, wheel_inertia);
   read_truth(scenario, a, wheel_inertia);
+  read_orbit(scenario, a);
+  read_desaturation(scenario, a);
   read_flexible(scenario, a);
   read_faults(scenario, a);
   read_initial(scenario, a, wheel_inertia);
@@ -539,7 +694,7 @@ Assembly assemble(const Table& scenario) {
   check_sensors(a);
   a.plant.integrator =
       read_typed<truth::Integrator>("integrator", block(scenario, "integrator"), "integrator", n, "cvode");
-  a.reference = read_typed<ReferenceSpec>("reference", block(scenario, "reference"), "reference", n, "hold");
+  read_reference(scenario, a);
   a.navigator = component(block(scenario, "navigator"), "navigator", "none");
   a.observer = component(block(scenario, "observer"), "observer", "passthrough");
   a.detector = component(block(scenario, "detector"), "detector", "none");
@@ -570,6 +725,10 @@ std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponen
   add(c.detectors, a.detector);
   add(c.controllers, a.controller);
   add(c.allocators, a.allocator);
+  if (a.desaturation) {
+    rows.push_back(
+        {"desaturation", "cross_product", CrossProductDesaturation<double>::check(a.setup, *a.desaturation)});
+  }
   if (const Status<double> pair = check_pair(a); !pair.ok())
     rows.push_back({"observer and allocator", a.observer.type + ", " + a.allocator.type, pair});
   for (const auto& [observer, detector] : a.shadows) {
@@ -584,6 +743,12 @@ AnyPlant make_plant(const Assembly& a) {
     return AnyPlant(std::in_place_type<truth::EulerPlant>, a.plant, a.initial, a.setup.dt);
   }
   return AnyPlant(std::in_place_type<truth::RigidPlant>, a.plant, a.initial, a.setup.dt);
+}
+
+ReferencePath make_reference(const Assembly& a, const ExternalComponents& external) {
+  if (!a.reference_outside) return ReferencePath(a.reference, a.setup.dt, surroundings_of(a));
+  if (!external.reference) refuse("reference: type 'python' needs a Python object for this role");
+  return ReferencePath(external.reference(a.setup), a.setup.dt);
 }
 
 std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) {
@@ -602,12 +767,19 @@ std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) 
 
 Stack make_stack(const Assembly& a, const ExternalComponents& external) {
   const Catalogue& c = catalogue();
+  using Law = CrossProductDesaturation<double>;
   admit(a, a.observer.where + ", " + a.allocator.where, check_pair(a));
+  AnyManagement management;
+  if (a.desaturation) {
+    admit(a, "desaturation", Law::check(a.setup, *a.desaturation));
+    management.law.emplace(unchecked, a.setup, *a.desaturation);
+  }
   return Stack(unchecked, a.setup, AnyObserver(make_one(c.observers, a, a.observer, external.observer)),
                AnyDetector(make_one(c.detectors, a, a.detector, external.detector)),
                AnyController(make_one(c.controllers, a, a.controller, external.controller)),
                AnyAllocator(make_one(c.allocators, a, a.allocator, external.allocator)),
-               AnyNavigator(make_one(c.navigators, a, a.navigator, external.navigator)));
+               AnyNavigator(make_one(c.navigators, a, a.navigator, external.navigator)),
+               MovingAxes<double>{a.vehicles.gyros, {a.vehicles.D_B}}, management);
 }
 
 std::vector<Shadow> make_shadows(const Assembly& a, const ExternalComponents&) {

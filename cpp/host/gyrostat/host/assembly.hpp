@@ -2,6 +2,7 @@
 /// @file  A scenario's table turned into the objects of a run, every number checked on the way.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -10,13 +11,44 @@
 #include "gyrostat/host/blocks.hpp"
 #include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/channels.hpp"
+#include "gyrostat/host/loop.hpp"
 #include "gyrostat/host/reference.hpp"
 #include "gyrostat/truth/euler_plant.hpp"
 #include "gyrostat/truth/rigid_plant.hpp"
 
 namespace gyrostat::host {
 
-using Stack = FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator>;
+/// Where the actuators of any vehicle point: control moment gyros by their gimbals, magnetorquers by the field.
+template <class S>
+struct MovingAxes {
+  ControlMomentGyros<S> gyros;
+  MagneticAxes<S> magnetic;
+
+  Axes<S> operator()(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    const Axes<S> turned = gyros(vehicle, y);
+    if (!vehicle.magnetorquers.any()) return turned;
+    Axes<S> out = magnetic(vehicle, y);
+    if (!turned.move()) return out;
+    for (int i = 0; i < vehicle.actuators(); ++i) {
+      if (gyros.gyros().test(i)) out.D_B.col(i) = turned.D_B.col(i);
+    }
+    out.h_B = turned.h_B;
+    return out;
+  }
+};
+
+/// Takes momentum off where a scenario says so.
+struct AnyManagement {
+  std::optional<CrossProductDesaturation<double>> law;
+
+  void operator()(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                  Demand<double>& demand) const noexcept {
+    if (law) (*law)(vehicle, x, det, demand);
+  }
+};
+
+using Stack =
+    FlightStack<AnyObserver, AnyDetector, AnyController, AnyAllocator, AnyNavigator, MovingAxes<double>, AnyManagement>;
 using Shadow = Estimator<AnyObserver, AnyDetector>;
 
 /// Components that come from outside the catalogue, for roles whose entry has type = "python".
@@ -26,6 +58,8 @@ struct ExternalComponents {
   std::function<std::unique_ptr<DetectorBase>(const Setup<double>&)> detector;
   std::function<std::unique_ptr<ControllerBase>(const Setup<double>&)> controller;
   std::function<std::unique_ptr<AllocatorBase>(const Setup<double>&)> allocator;
+  std::function<ReferencePath::Function(const Setup<double>&)> reference;
+  std::function<Outside(const Setup<double>&)> outside;  ///< sensors, faults and disturbances
 };
 
 /// One line of `gyrostat check`.
@@ -49,13 +83,17 @@ struct Assembly {
   Tick ticks = 0;
   Setup<double> setup;
   Counts counts() const {
-    return {setup.vehicle.actuators(), static_cast<int>(plant.modes.size()), !plant.actuators.thrusters.each.empty()};
+    const int n = setup.vehicle.actuators();
+    return {n, static_cast<int>(plant.modes.size()), plant.gyros.empty() ? 0 : n,
+            !plant.actuators.thrusters.each.empty(), plant.orbit.has_value()};
   }
+  std::optional<CrossProductDesaturation<double>::Params> desaturation;
   Vehicles vehicles;
   truth::PlantModel plant;
   truth::InitialState initial;
   std::vector<truth::Sensor> sensors;
   ReferenceSpec reference;
+  bool reference_outside = false;  ///< type = "python"
   ComponentSpec navigator, observer, detector, controller, allocator;
   std::vector<std::pair<ComponentSpec, ComponentSpec>> shadows;
   Table record;
@@ -66,6 +104,7 @@ Assembly assemble(const Table& scenario);
 
 /// Throws std::invalid_argument for what does not fit the model.
 AnyPlant make_plant(const Assembly& a);
+ReferencePath make_reference(const Assembly& a, const ExternalComponents& external);
 
 /// Estimates by role: those that the observer makes and those that the others use. Nothing is known of a component from
 /// outside the catalogue: its role is left out.

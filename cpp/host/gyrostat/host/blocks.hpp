@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gyrostat/core/params.hpp"
+#include "gyrostat/flight/desaturation.hpp"
 
 namespace gyrostat::host {
 
@@ -18,16 +19,17 @@ inline constexpr double infinite = std::numeric_limits<double>::infinity();
 struct VehicleBlock {
   static constexpr const char* name = "vehicle";
   Mat3<double> J_B = Mat3<double>::Constant(detail::none);
-  Mat3N<double> D_B = Mat3N<double>::Constant(3, 1, detail::none);
+  Mat3N<double> D_B{3, 0};
   VecN<double> u_max, u_min, u_rate, wheel_inertia, momentum_max;
-  Mask spare;
+  Mask magnetorquers, spare;
   double orbit_rate = 0;
   Coordinates coordinates = Coordinates::body;
 
   static constexpr void describe(auto& p, auto&& field) {
     field(p.J_B,
           Field{"J_B", "kg m^2", -1e9, 1e9, "inertia of the whole vehicle, wheels included; 3 numbers are a diagonal"});
-    field(p.D_B, Field{"D_B", "", -1e6, 1e6, "actuator axes in columns, body frame"});
+    field(p.D_B,
+          Field{"D_B", "", -1e6, 1e6, "actuator axes in columns, body frame; absent with [cmg]: no other actuators"});
     field(p.u_max, Field{"u_max", "N m", -detail::infinite, detail::infinite,
                          "largest command that flight knows of; absent: no limit"});
     field(p.u_min, Field{"u_min", "N m", -detail::infinite, detail::infinite, "smallest command; absent: -u_max"});
@@ -36,6 +38,9 @@ struct VehicleBlock {
           Field{"wheel_inertia", "kg m^2", 0, 1e6, "axial inertia of each wheel; 0 or absent: ideal torque actuator"});
     field(p.momentum_max, Field{"momentum_max", "N m s", 0, detail::infinite,
                                 "of each wheel, as flight knows it: it gives no more there; absent: not known"});
+    field(p.magnetorquers,
+          Field{"magnetorquers", "", 0, max_actuators - 1,
+                "actuators that are a dipole along their column of D_B; commands and limits in A m^2"});
     field(p.spare, Field{"spare", "", 0, max_actuators - 1, "actuators that stay off until a detector enables them"});
     field(p.orbit_rate, Field{"orbit_rate", "rad/s", 0, 1, "of a circular orbit; 0: none"});
     field(p.coordinates,
@@ -138,6 +143,31 @@ struct ThrustersBlock {
     field(p.Isp, Field{"Isp", "s", 0, 1e5, "specific impulse of each; absent: 220"});
     field(p.propellant_mass, Field{"propellant_mass", "kg", 0, detail::infinite, "at t = 0; infinity: never runs dry"});
   }
+};
+
+/// Control moment gyros: actuators behind those of the vehicle's D_B, known to flight as they are.
+struct CmgBlock {
+  static constexpr const char* name = "cmg";
+  std::vector<std::vector<double>> gimbal_axes, spin_axes;
+  VecN<double> rotor_momentum, rate_max, angles, angle_max;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.gimbal_axes, Field{"gimbal_axes", "", -1.1, 1.1, "unit vector along each gimbal axis; a row a gyro"});
+    field(p.spin_axes, Field{"spin_axes", "", -1.1, 1.1,
+                             "unit vector along each rotor at gimbal angle zero, perpendicular to the gimbal axis"});
+    field(p.rotor_momentum, Field{"rotor_momentum", "N m s", 0, 1e9, "of each rotor, > 0"});
+    field(p.rate_max,
+          Field{"rate_max", "rad/s", 0, 1e6, "fastest gimbal, > 0: commands are limited to rotor_momentum rate_max"});
+    field(p.angles, Field{"angles", "rad", -1e6, 1e6, "of each gimbal at t = 0; absent: 0"});
+    field(p.angle_max, Field{"angle_max", "rad", 0, detail::infinite,
+                             "of the stops of each gimbal, on both sides; flight does not know of them; absent: none"});
+  }
+};
+
+/// What flight does about momentum, with its magnetorquers.
+struct DesaturationBlock : CrossProductDesaturation<double>::Params {
+  static constexpr const char* name = "desaturation";
+  DesaturationBlock() : Params(Setup<double>{}) {}
 };
 
 /// Length, period, seed and number of a run.

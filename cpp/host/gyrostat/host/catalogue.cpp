@@ -9,6 +9,7 @@
 #include "gyrostat/truth/disturbances.hpp"
 #include "gyrostat/truth/faults/list.hpp"
 #include "gyrostat/truth/integrator.hpp"
+#include "gyrostat/truth/orbit.hpp"
 #include "gyrostat/truth/sensors.hpp"
 
 namespace gyrostat::host {
@@ -124,8 +125,11 @@ std::vector<FamilyAccess> all_families() {
           access<ReferenceSpec>("reference"),
           access<truth::Integrator>("integrator"),
           access<std::variant<VehicleBlock>>("vehicle"),
+          access<std::variant<truth::OrbitElements>>("orbit"),
+          access<std::variant<DesaturationBlock>>("desaturation"),
           access<std::variant<FlexibleBlock>>("flexible"),
           access<std::variant<ThrustersBlock>>("thrusters"),
+          access<std::variant<CmgBlock>>("cmg"),
           access<std::variant<TruthBlock>>("truth"),
           access<std::variant<InitialBlock>>("initial"),
           access<std::variant<RunBlock>>("run")};

@@ -12,7 +12,8 @@ namespace gyrostat::host {
 
 namespace {
 
-constexpr int per_actuator = -1, per_mode = -2, of_thrusters = -3, of_thrusters3 = -4;
+constexpr int per_actuator = -1, per_mode = -2, per_gimbal = -3, gimballed = -4, of_thrusters = -5, of_thrusters3 = -6,
+              once_an_orbit = -7, three_an_orbit = -8;  // one number, or three, where there are such
 
 void put(const Vec3<double>& v, double* out) { std::copy_n(v.data(), 3, out); }
 void put(const VecN<double>& v, double* out) { std::copy_n(v.data(), v.size(), out); }
@@ -32,22 +33,66 @@ void put_classes(const Detection<double>& det, int n, double* out) {
 }
 int actuators_of(const ShadowView& v) { return static_cast<int>(v.x->effectiveness.size()); }
 
+truth::Orbit::Point orbit_of(const Moment& m) { return m.vehicles.orbit->at(m.now.t); }
+
+Vec3<double> field_of(const Moment& m, const truth::TruthState& s) {
+  return s.q_NB.conjugate() * m.vehicles.orbit->field(s.t).B_N;
+}
+
+/// Where gyros point, of a vehicle that has some.
+Axes<double> gimballed_axes(const Moment& m, const truth::TruthState& s) {
+  return m.vehicles.gyros.at(m.vehicles.nominal, s.gimbal, s.h_w);
+}
+
+/// Axes of torque at s: of gyros where their gimbals point, of magnetorquers across the field, of all others `D_B`.
+Mat3N<double> axes_of(const Moment& m, const truth::TruthState& s, Mat3N<double> D_B) {
+  const Mask gyros = m.vehicles.gyros.gyros(), magnetorquers = m.vehicles.nominal.magnetorquers;
+  if (!gyros.any() && !magnetorquers.any()) return D_B;
+  const Axes<double> turned = gyros.any() ? gimballed_axes(m, s) : Axes<double>{};
+  for (int i = 0; i < D_B.cols(); ++i) {
+    if (gyros.test(i)) D_B.col(i) = turned.D_B.col(i);
+    if (magnetorquers.test(i)) D_B.col(i) = Vec3<double>(D_B.col(i)).cross(field_of(m, s));
+  }
+  return D_B;
+}
+
 /// What the nominal model knows of the motion without commands.
 Vec3<double> known_of(const Moment& m, const truth::TruthState& s) {
-  return known_torque<double>(m.vehicles.nominal, s.angles, s.omega_BN_B,
-                              torque<double>(m.vehicles.nominal.D_B, s.h_w));
+  const bool gyros = m.vehicles.gyros.any();
+  const Vec3<double> h_B = gyros ? gimballed_axes(m, s).h_B : torque<double>(m.vehicles.nominal.D_B, s.h_w);
+  return known_torque<double>(m.vehicles.nominal, s.angles, s.omega_BN_B, h_B);
+}
+
+/// N m, of the nominal axes that held at s.
+Vec3<double> nominal_torque(const Moment& m, const truth::TruthState& s, const VecN<double>& u) {
+  return torque<double>(axes_of(m, s, m.vehicles.D_B), u);
+}
+
+Vec3<double> fault_torque(const Moment& m) {
+  return torque<double>(axes_of(m, m.now, m.vehicles.D_true_B), m.truth().delivered - m.u_held);
+}
+
+/// sqrt det(B B'), B the axes of the gyros.
+double singularity(const Moment& m) {
+  const Mat3N<double> D_B = gimballed_axes(m, m.now).D_B;
+  Mat3<double> squares = Mat3<double>::Zero();
+  for (int i = 0; i < D_B.cols(); ++i) {
+    if (m.vehicles.gyros.gyros().test(i)) squares += D_B.col(i) * D_B.col(i).transpose();
+  }
+  return std::sqrt(std::max(squares.determinant(), 0.0));
 }
 
 Vec3<double> lumped(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
-  return v.J_B * m.truth().omegadot_BN_B - known_of(m, m.now) - torque<double>(v.D_B, m.u_held);
+  return v.J_B * m.truth().omegadot_BN_B - known_of(m, m.now) - nominal_torque(m, m.now, m.u_held);
 }
 
-/// Interval mean; what is known by the trapezoid.
+/// Interval mean; what is known by the trapezoid, axes as they were when the command was made.
 Vec3<double> lumped_mean(const Moment& m) {
   const Vehicle<double>& v = m.vehicles.nominal;
   const Vec3<double> mean = 0.5 * (known_of(m, m.now) + known_of(m, m.before));
-  return v.J_B * (m.now.omega_BN_B - m.before.omega_BN_B) / m.vehicles.dt - mean - torque<double>(v.D_B, m.u_held);
+  return v.J_B * (m.now.omega_BN_B - m.before.omega_BN_B) / m.vehicles.dt - mean -
+         nominal_torque(m, m.before, m.u_held);
 }
 
 AttitudeError<double> error_of(const Moment& m) {
@@ -62,7 +107,7 @@ double pointing_error(const Moment& m) {
 
 struct Known {
   const char* name;
-  int size;  // per_actuator, per_mode: one each; of_thrusters: where there are any
+  int size;  // per_actuator, per_mode, ...: one each; .._an_orbit: where there is one
   const char* unit;
   const char* meaning;
   void (*fill)(const Moment&, double*);
@@ -83,12 +128,24 @@ const Known known[] = {
     {"truth.eta", per_mode, "kg^1/2 m", "displacement of each mode of the appendages",
      [](M m, double* o) { put(m.now.eta, o); }},
     {"truth.eta_rate", per_mode, "kg^1/2 m/s", "its rate", [](M m, double* o) { put(m.now.eta_rate, o); }},
+    {"truth.r_N", three_an_orbit, "m", "position on the orbit", [](M m, double* o) { put(orbit_of(m).r_N, o); }},
+    {"truth.v_N", three_an_orbit, "m/s", "velocity on the orbit", [](M m, double* o) { put(orbit_of(m).v_N, o); }},
+    {"truth.field_B", three_an_orbit, "T", "magnetic field", [](M m, double* o) { put(field_of(m, m.now), o); }},
+    {"truth.eclipse", once_an_orbit, "", "1: in the Earth's shadow",
+     [](M m, double* o) { put(m.vehicles.orbit->dark(m.now.t), o); }},
     {"truth.propellant", of_thrusters, "kg", "propellant that the thrusters have used",
      [](M m, double* o) { put(m.now.propellant, o); }},
     {"truth.thruster_impulse_B", of_thrusters3, "N s", "integral of the thrusters' force in body axes",
      [](M m, double* o) { put(m.now.thruster_impulse_B, o); }},
     {"truth.thruster_force_B", of_thrusters3, "N", "force of the thrusters, mean over the interval",
      [](M m, double* o) { put(m.truth().thruster_force_B, o); }},
+    {"truth.gimbal", per_gimbal, "rad", "angle of each gimbal; 0 of an actuator that has none",
+     [](M m, double* o) { put(m.now.gimbal, o); }},
+    {"truth.rotor_momentum", per_gimbal, "N m s", "of the rotor in each gimbal",
+     [](M m, double* o) { put(m.now.rotor_momentum, o); }},
+    {"truth.singularity", gimballed, "",
+     "sqrt det(D D') of the control moment gyros: 0 where their axes lie in a plane",
+     [](M m, double* o) { put(singularity(m), o); }},
     {"truth.delivered", per_actuator, "N m",
      "torque on the body that the actuators gave; thrusters: mean over the interval",
      [](M m, double* o) { put(m.truth().delivered, o); }, true},
@@ -97,8 +154,7 @@ const Known known[] = {
     {"truth.bias", per_actuator, "N m", "true additive fault", [](M m, double* o) { put(m.truth().bias, o); }},
     {"truth.external_B", 3, "N m", "disturbance torque", [](M m, double* o) { put(m.truth().external_B, o); }},
     {"truth.omegadot_BN_B", 3, "rad/s^2", "body acceleration", [](M m, double* o) { put(m.truth().omegadot_BN_B, o); }},
-    {"truth.fault_B", 3, "N m", "D_true (delivered - u)",
-     [](M m, double* o) { put(torque<double>(m.vehicles.D_true_B, m.truth().delivered - m.u_held), o); }, false, true},
+    {"truth.fault_B", 3, "N m", "D_true (delivered - u)", [](M m, double* o) { put(fault_torque(m), o); }, false, true},
     {"truth.lumped_B", 3, "N m", "J w' + w x (J w + D h_w) - D u, nominal J and D",
      [](M m, double* o) { put(lumped(m), o); }, false, true},
     {"truth.lumped_mean_B", 3, "N m", "mean of lumped_B over the interval",
@@ -116,12 +172,26 @@ const Known known[] = {
     {"measurement.q_NB", 4, "", "measured attitude", [](M m, double* o) { put(m.y->q_NB, o); }},
     {"measurement.omega_BN_B", 3, "rad/s", "measured rate", [](M m, double* o) { put(m.y->omega_BN_B, o); }},
     {"measurement.h_w", per_actuator, "N m s", "measured wheel momentum", [](M m, double* o) { put(m.y->h_w, o); }},
+    {"measurement.gimbal", per_gimbal, "rad", "measured angle of each gimbal",
+     [](M m, double* o) { put(m.y->gimbal, o); }},
     {"measurement.attitude_valid", 1, "", "1: attitude measured at this sample, 0: not",
      [](M m, double* o) { put(m.y->attitude_valid, o); }},
     {"measurement.rate_valid", 1, "", "1: rate measured at this sample, 0: not",
      [](M m, double* o) { put(m.y->rate_valid, o); }},
     {"measurement.momentum_valid", 1, "", "1: wheel momentum measured at this sample, 0: not",
      [](M m, double* o) { put(m.y->momentum_valid, o); }},
+    {"measurement.field_B", three_an_orbit, "T", "measured magnetic field",
+     [](M m, double* o) { put(m.y->field_B, o); }},
+    {"measurement.field_valid", once_an_orbit, "", "1: field measured at this sample, 0: not",
+     [](M m, double* o) { put(m.y->field_valid, o); }},
+    {"measurement.field_N", three_an_orbit, "T", "the field as flight's model has it",
+     [](M m, double* o) { put(m.y->field_N, o); }},
+    {"measurement.sun_B", three_an_orbit, "", "measured direction to the sun; zero: never seen",
+     [](M m, double* o) { put(m.y->sun_B, o); }},
+    {"measurement.sun_valid", once_an_orbit, "", "1: sun seen at this sample, 0: not",
+     [](M m, double* o) { put(m.y->sun_valid, o); }},
+    {"measurement.sun_N", three_an_orbit, "", "direction to the sun as flight's almanac has it",
+     [](M m, double* o) { put(m.y->sun_N, o); }},
     {"measurement.euler", 3, "rad", "measured roll, pitch, yaw", [](M m, double* o) { put(m.y->euler.angles, o); }},
     {"measurement.euler_rates", 3, "rad/s", "measured Euler rates", [](M m, double* o) { put(m.y->euler.rates, o); }},
     {"reference.q_NR", 4, "", "reference attitude", [](M m, double* o) { put(m.ref->q_NR, o); }},
@@ -193,16 +263,33 @@ const KnownOfShadow known_of_shadow[] = {
 };
 
 int width_of(int size, const Counts& counts) {
-  if (size == of_thrusters || size == of_thrusters3) return counts.thrusters ? (size == of_thrusters ? 1 : 3) : 0;
-  return size == per_actuator ? counts.actuators : size == per_mode ? counts.modes : size;
+  switch (size) {
+    case per_actuator:
+      return counts.actuators;
+    case per_mode:
+      return counts.modes;
+    case per_gimbal:
+      return counts.gimbals;
+    case gimballed:
+      return counts.gimbals > 0 ? 1 : 0;
+    case of_thrusters:
+      return counts.thrusters ? 1 : 0;
+    case of_thrusters3:
+      return counts.thrusters ? 3 : 0;
+    case once_an_orbit:
+      return counts.orbit ? 1 : 0;
+    case three_an_orbit:
+      return counts.orbit ? 3 : 0;
+    default:
+      return size;
+  }
 }
 
 /// `k` is a Known or a KnownOfShadow.
 ChannelInfo info_of(const std::string& name, const auto& k, const Counts& counts) {
-  const char* dimension = k.size == per_actuator                   ? "actuator"
-                          : k.size == 3 || k.size == of_thrusters3 ? "axis"
-                          : k.size == 4                            ? "quaternion"
-                                                                   : "";
+  const bool actuator = k.size == per_actuator || k.size == per_gimbal;
+  const bool axis = k.size == 3 || k.size == of_thrusters3 || k.size == three_an_orbit;
+  const char* dimension = actuator ? "actuator" : axis ? "axis" : k.size == 4 ? "quaternion" : "";
   return {name, width_of(k.size, counts), k.unit, k.meaning, dimension};
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gyrostat/core/signals.hpp"
+#include "gyrostat/flight/control_moment_gyros.hpp"
 #include "gyrostat/host/telemetry.hpp"
 #include "gyrostat/truth/plant.hpp"
 
@@ -22,14 +23,16 @@ struct ChannelInfo {
 
 /// How many of what a vehicle has: widths of channels.
 struct Counts {
-  int actuators = 0, modes = 0;
-  bool thrusters = false;
+  int actuators = 0, modes = 0, gimbals = 0;  ///< gimbals: actuators, where some of them have one
+  bool thrusters = false, orbit = false;
 };
 
 /// The true vehicle beside the nominal one; channels compare them.
 struct Vehicles {
   Vehicle<double> nominal;
-  Mat3N<double> D_true_B{3, 0};
+  Mat3N<double> D_B{3, 0}, D_true_B{3, 0};  ///< of magnetorquers with the axes of their dipoles
+  ControlMomentGyros<double> gyros;
+  std::optional<truth::Orbit> orbit;
   double dt = 0;
 };
 

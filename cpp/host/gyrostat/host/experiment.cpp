@@ -91,14 +91,17 @@ struct Objects {
   truth::Sensors sensors;
   ReferencePath reference;
   FlightParts parts;
+  Outside outside;
 
   Objects(Assembly a_in, const ExternalComponents& external, std::uint64_t number,
           const std::vector<std::string>& channels)
       : a(std::move(a_in)),
         plant(make_plant(a)),
-        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels),
-        reference(a.reference, a.setup.dt),
-        parts(a, external) {}
+        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels,
+                a.plant.orbit),
+        reference(make_reference(a, external)),
+        parts(a, external),
+        outside(external.outside ? external.outside(a.setup) : Outside{}) {}
 
   ChannelReader reader(const std::vector<std::string>& channels) const {
     return {channels, a.counts(), parts.components, parts.views, "measure"};
@@ -209,7 +212,7 @@ class Experiment::Worker {
       std::visit(set, meters.back().metric);
     }
     Measuring<Plant> measuring(o.a, plant, o.parts, reader, meters, stop_);
-    out.end = host::fly(plant, o.sensors, o.reference, o.parts.stack, o.a.ticks, measuring);
+    out.end = host::fly(plant, o.sensors, o.reference, o.parts.stack, o.a.ticks, measuring, o.outside);
     for (std::size_t i = 0; i < meters.size(); ++i) {
       out.metrics[i] = std::visit([](const auto& metric) { return metric.value(); }, meters[i].metric);
     }

@@ -38,7 +38,10 @@ FlightComponent component(const Family<Base>& family, const Assembly& a, const C
 
 FlightModel flight_model(const Assembly& a) {
   const Catalogue& c = catalogue();
-  FlightModel m{a.setup, a.run.allow_unstable, {}};
+  if (a.setup.vehicle.magnetorquers.any())
+    throw std::invalid_argument(
+        "vehicle: magnetorquers are not exported yet: the axes of a generated stack stand still");
+  FlightModel m{a.setup, a.run.allow_unstable, a.plant.gyros, {}};
   m.components = {component(c.navigators, a, a.navigator), component(c.observers, a, a.observer),
                   component(c.detectors, a, a.detector), component(c.controllers, a, a.controller),
                   component(c.allocators, a, a.allocator)};
@@ -52,6 +55,7 @@ FlightModel flight_model(const Assembly& a) {
   };
   add("", "frame");
   if (a.navigator.type != "none") add("", "navigation");
+  if (!m.gyros.empty()) add("", "gyros");
   for (const FlightComponent& part : m.components) add(part.role, part.name);
   return m;
 }

@@ -18,6 +18,7 @@ struct FlightComponent {
 struct FlightModel {
   Setup<double> setup;
   bool allow_unstable = false;
+  std::vector<truth::ControlMomentGyro> gyros;
   std::vector<FlightComponent> components;        ///< navigator, observer, detector, controller, allocator
   int capacity = 0;                               ///< most actuators of the library as it is to be compiled for them
   std::size_t bytes_double = 0, bytes_float = 0;  ///< at least the size of their FlightStack, with Eigen aligned to 16

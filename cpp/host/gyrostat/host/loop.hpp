@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file  The closed loop: sense, step the flight stack, hold the command, integrate truth to the next sample.
 #pragma once
+#include <functional>
 #include <string>
 
 #include "gyrostat/flight/stack.hpp"
@@ -25,6 +26,14 @@ struct RunEnd {
 /// What the guard did, in words: "attitude and rate not measured, controller started again".
 std::string text_of(const GuardActions& did);
 
+/// What takes part in a run from outside the catalogue, between two integrations. An empty function: nothing.
+struct Outside {
+  std::function<void(Measurement<double>&)> sensor;      ///< changes what the sensors show
+  std::function<void(double t, VecN<double>& u)> fault;  ///< changes the command on its way to the actuators
+  std::function<Vec3<double>(double t, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B)>
+      torque_B;  ///< N m, held until the next sample
+};
+
 /// Looks on without a part in the loop. `before` sees a measurement and what was issued over the interval just ended,
 /// `after` the same sample once the stack has stepped.
 struct NobodyWatches {
@@ -37,11 +46,12 @@ struct NobodyWatches {
 /// passes through.
 template <truth::Plant Plant, class Stack, class Watcher = NobodyWatches>
 RunEnd fly(Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stack& stack, Tick ticks,
-           Watcher&& watcher = Watcher{}) {
+           Watcher&& watcher = Watcher{}, const Outside& outside = {}) {
   RunEnd end;
   try {
     for (Tick k = 0;; ++k) {
-      const Measurement<double> y = plant.measure(sensors);
+      Measurement<double> y = plant.measure(sensors);
+      if (outside.sensor) outside.sensor(y);
       const Reference<double>& ref = reference.at(k);
       watcher.before(y, stack.last());
       stack.step(y, ref);
@@ -51,7 +61,7 @@ RunEnd fly(Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stac
       if (stack.started() && !did.command) ++end.issued;
       end.time = plant.time();
       watcher.after(k, y, ref);
-      if (stack.last().status.has(Flag::singular)) {
+      if ((stack.demand().status | stack.estimate().status).has(Flag::singular)) {  // not of the gimbals
         const double pitch_deg = plant.euler().angles[1] * 57.295779513082320877;
         end.code = RunEnd::Code::singular;
         end.cause = "Euler angles are singular: pitch " + std::to_string(pitch_deg) +
@@ -64,7 +74,16 @@ RunEnd fly(Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stac
         end.cause = "the stack never issued a command of its own: " + text_of(did);
         return end;
       }
-      plant.advance(stack.last().u);
+      if constexpr (requires { plant.push(Vec3<double>()); }) {
+        if (outside.torque_B) plant.push(outside.torque_B(end.time, plant.q_NB(), plant.omega_BN_B()));
+      }
+      if (!outside.fault) {
+        plant.advance(stack.last().u);
+        continue;
+      }
+      VecN<double> u = stack.last().u;
+      outside.fault(end.time, u);
+      plant.advance(u);
     }
   } catch (const truth::NonFiniteState& e) {
     end.code = RunEnd::Code::non_finite;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 namespace gyrostat::host {
 
@@ -57,10 +58,10 @@ void numbers(const Value& whole, const List& list, const Key& key, Out out) {
   }
 }
 
-const List& list_of(const Value& value, const Key& key, std::size_t size, const std::string& allowed) {
+const List& list_of(const Value& value, const Key& key, std::size_t size, std::string_view allowed) {
   const List* list = value.as<List>();
   if (list == nullptr || (size != 0 && list->size() != size)) {
-    std::string why = "must be " + allowed;
+    std::string why = "must be " + std::string(allowed);
     if (list != nullptr) why += ", not " + std::to_string(list->size()) + " entries";
     key.refuse(value, why);
   }

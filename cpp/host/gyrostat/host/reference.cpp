@@ -136,8 +136,8 @@ AttitudeSpline spline_of(const AttitudeTable& p, const std::string& where) {
 
 }  // namespace
 
-ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& where)
-    : spec_(std::move(spec)), dt_(dt) {
+ReferencePath::ReferencePath(ReferenceSpec spec, double dt, Surroundings around, const std::string& where)
+    : spec_(std::move(spec)), dt_(dt), around_(std::move(around)), where_(where) {
   if (const Hold* p = std::get_if<Hold>(&spec_)) {
     const bool has_mrp = !p->mrp.hasNaN(), has_euler = !p->euler.hasNaN();
     const bool has_q = p->q_NR.w() != 1.0;
@@ -166,7 +166,95 @@ ReferencePath::ReferencePath(ReferenceSpec spec, double dt, const std::string& w
     spline_ = spline_of(*table, where);
   } else if (const BangBang* bang = std::get_if<BangBang>(&spec_)) {
     if (!(bang->axis.norm() > 1e-9)) refuse(where, "axis is zero and names no direction");
+  } else if (std::holds_alternative<Nadir>(spec_)) {
+    if (!around_.orbit && around_.orbit_rate == 0) refuse(where, "nadir needs an orbit, or the vehicle's orbit_rate");
+  } else if (const Target* target = std::get_if<Target>(&spec_)) {
+    TwoVector directions;
+    static_cast<Site&>(directions) = *target;
+    static_cast<PointingAxes&>(directions) = *target;
+    directions.first = TwoVector::Direction::site;
+    point(directions);
+  } else if (const SunPointing* sun = std::get_if<SunPointing>(&spec_)) {
+    TwoVector directions;
+    static_cast<PointingAxes&>(directions) = *sun;
+    directions.first = TwoVector::Direction::sun;
+    directions.second = TwoVector::Direction::zenith;
+    point(directions);
+  } else if (const TwoVector* directions = std::get_if<TwoVector>(&spec_)) {
+    point(*directions);
   }
+}
+
+// ---- pointing on an orbit -------------------------------------------------------------------------------------------
+
+void ReferencePath::point(const TwoVector& p) {
+  using D = TwoVector::Direction;
+  if (!around_.orbit) refuse(where_, "needs an orbit");
+  if (!(p.axis.norm() > 1e-9)) refuse(where_, "axis is zero and names no direction");
+  if (!(p.axis.normalized().cross(p.second_axis).norm() > 1e-3 * p.second_axis.norm()))  // NaN and zero too
+    refuse(where_, "axis and second_axis are one direction; two belong here");
+  if ((p.first == D::site || p.second == D::site) && !p.given())
+    refuse(where_, "latitude and longitude of the site are missing");
+  two_vector_ = p;
+}
+
+/// A vector along it, with its derivatives.
+MovingVector ReferencePath::direction(TwoVector::Direction which, double t) const {
+  using D = TwoVector::Direction;
+  const truth::Orbit& orbit = *around_.orbit;
+  const truth::Orbit::Point at = orbit.at(t);
+  const double r = at.r_N.norm(), pull = -truth::earth::mu / (r * r * r);
+  const MovingVector position{at.r_N, at.v_N, pull * at.r_N};
+  switch (which) {
+    case D::nadir:
+      return -position;
+    case D::zenith:
+      return position;
+    case D::velocity:
+      return {position.v, position.a, pull * (at.v_N - 3 * at.r_N.dot(at.v_N) / (r * r) * at.r_N)};
+    case D::orbit_normal:
+      return {at.r_N.cross(at.v_N), Vec3<double>::Zero(), Vec3<double>::Zero()};
+    case D::sun:
+      return {orbit.sun_N(), Vec3<double>::Zero(), Vec3<double>::Zero()};
+    default: {
+      const double angle = orbit.earth_angle(t) + two_vector_->longitude, up = two_vector_->latitude;
+      const Vec3<double> e{std::cos(up) * std::cos(angle), std::cos(up) * std::sin(angle), std::sin(up)};
+      const Vec3<double> W{0, 0, truth::earth::rate}, site = (truth::earth::radius + two_vector_->altitude) * e;
+      return MovingVector{site, W.cross(site), W.cross(W.cross(site))} - position;
+    }
+  }
+}
+
+Reference<double> ReferencePath::pointed(double t) const {
+  const MovingVector first = direction(two_vector_->first, t), second = direction(two_vector_->second, t);
+  constexpr double least = 0.0174524064372835;  // of 1 deg
+  if (const double apart = DirectionFrame::apart(first, second); !(apart > least)) {
+    refuse(where_, "its two directions are " + std::to_string(std::asin(apart) * 57.295779513082320877) +
+                       " deg from one line at t = " + std::to_string(t) + " s; at least 1 deg belongs there");
+  }
+  return DirectionFrame(two_vector_->axis, two_vector_->second_axis).frame(first, second);
+}
+
+void ReferencePath::survey(Tick ticks) const {
+  if (!two_vector_) return;
+  const Tick stride = std::max<Tick>({1, static_cast<Tick>(0.25 / dt_), ticks / 200000});
+  for (Tick k = 0; k <= ticks; k += stride) (void)pointed(static_cast<double>(k) * dt_);
+}
+
+Reference<double> ReferencePath::over_the_ground(const Nadir& p, double t) const {
+  Reference<double> r;
+  const Quat<double> q_RO = p.q_OR.conjugate();
+  if (around_.orbit) {
+    r.q_NR = around_.orbit->q_NO(t) * p.q_OR;
+    r.omega_RN_R = q_RO * around_.orbit->omega_ON_O(t);
+    r.omegadot_RN_R = q_RO * around_.orbit->omegadot_ON_O(t);
+  } else {
+    const Vec3<double> omega_ON_O{0, -around_.orbit_rate, 0};
+    const double half = around_.orbit_rate * t / 2;
+    r.q_NR = Quat<double>(std::cos(half), 0, -std::sin(half), 0) * p.q_OR;
+    r.omega_RN_R = q_RO * omega_ON_O;
+  }
+  return r;
 }
 
 const Reference<double>& ReferencePath::at(Tick tick) {
@@ -179,6 +267,16 @@ const Reference<double>& ReferencePath::at(Tick tick) {
 
 void ReferencePath::evaluate(Tick tick) {
   const double t = static_cast<double>(tick) * dt_;
+  if (outside_) {
+    now_ = with_euler(outside_(tick, t));
+    return;
+  }
+  if (two_vector_) {
+    Reference<double> r = pointed(t);
+    if (tick > 0 && r.q_NR.dot(now_.q_NR) < 0) r.q_NR.coeffs() = -r.q_NR.coeffs();
+    now_ = with_euler(r);
+    return;
+  }
   if (std::holds_alternative<Hold>(spec_)) return;
   if (const Steps* steps = std::get_if<Steps>(&spec_)) {
     std::uint32_t reached = 0;  // a step within 1e-9 s of a sample happens at it
@@ -193,6 +291,8 @@ void ReferencePath::evaluate(Tick tick) {
     evaluate_slew(*slew, t, now_);
   } else if (const BangBang* bang = std::get_if<BangBang>(&spec_)) {
     evaluate_bang_bang(*bang, t, now_);
+  } else if (const Nadir* nadir = std::get_if<Nadir>(&spec_)) {
+    now_ = with_euler(over_the_ground(*nadir, t));
   } else if (std::holds_alternative<AttitudeTable>(spec_)) {
     now_ = with_euler(spline_.at(t));
   } else if (const MrpSine* p = std::get_if<MrpSine>(&spec_)) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// @file  What the vehicle should do: references with exact derivatives, one struct a kind, data only.
 #pragma once
+#include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -10,6 +12,8 @@
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/host/attitude_spline.hpp"
+#include "gyrostat/host/direction_frame.hpp"
+#include "gyrostat/truth/orbit.hpp"
 
 namespace gyrostat::host {
 
@@ -132,22 +136,117 @@ struct BangBang {
   }
 };
 
-using ReferenceSpec = std::variant<Hold, Steps, Slew, MrpSine, EulerSine, RateSine, AttitudeTable, BangBang>;
+/// The orbital frame O (z to nadir, y against the orbit's normal), or a frame that rests in it.
+struct Nadir {
+  static constexpr const char* name = "nadir";
+  Quat<double> q_OR = Quat<double>::Identity();
 
-/// A reference in time. Samples must be asked in order of their tick (RateSine integrates).
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.q_OR, Field{"q_OR", "", -1, 1, "attitude in the orbital frame, scalar first"});
+  }
+};
+
+/// A place on the turning Earth, a sphere of the equator's radius.
+struct Site {
+  double latitude = std::numeric_limits<double>::quiet_NaN(), longitude = std::numeric_limits<double>::quiet_NaN(),
+         altitude = 0;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.latitude,
+          Field{"latitude", "rad", -std::numbers::pi / 2, std::numbers::pi / 2, "of the site, geocentric", "degrees"});
+    field(p.longitude,
+          Field{"longitude", "rad", -full_turn, full_turn, "of the site, to the east of Greenwich", "degrees"});
+    field(p.altitude, Field{"altitude", "m", -1e5, 1e5, "of the site above the sphere"});
+  }
+  bool given() const noexcept { return latitude == latitude && longitude == longitude; }
+};
+
+/// Which axes of the reference go with the two directions.
+struct PointingAxes {
+  Vec3<double> axis, second_axis;
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.axis, Field{"axis", "", -unbounded, unbounded, "of the reference, that points there; of any length"});
+    field(p.second_axis, Field{"second_axis", "", -unbounded, unbounded,
+                               "of the reference, as near to the second direction as it goes"});
+  }
+};
+
+/// An axis to a place on the Earth, another one along the velocity. The Earth is no obstacle.
+struct Target : Site, PointingAxes {
+  static constexpr const char* name = "target";
+  Target() : PointingAxes{{0, 0, 1}, {1, 0, 0}} {}
+
+  static constexpr void describe(auto& p, auto&& field) {
+    Site::describe(p, field);
+    PointingAxes::describe(p, field);
+  }
+};
+
+/// An axis to the sun, another one away from the Earth.
+struct SunPointing : PointingAxes {
+  static constexpr const char* name = "sun";
+  SunPointing() : PointingAxes{{0, 0, 1}, {0, 1, 0}} {}
+
+  static constexpr void describe(auto& p, auto&& field) { PointingAxes::describe(p, field); }
+};
+
+/// Two axes along two directions, the first exactly.
+struct TwoVector : Site, PointingAxes {
+  static constexpr const char* name = "two_vector";
+  enum class Direction : std::uint8_t { nadir, zenith, velocity, orbit_normal, sun, site };
+  Direction first = Direction::nadir, second = Direction::velocity;
+
+  TwoVector() : PointingAxes{{0, 0, 1}, {1, 0, 0}} {}
+
+  static constexpr void describe(auto& p, auto&& field) {
+    constexpr const char* directions = "nadir|zenith|velocity|orbit_normal|sun|site";
+    field(p.first, Choice{"first", directions, "where `axis` points"});
+    field(p.second, Choice{"second", directions, "where `second_axis` points as nearly as it can"});
+    PointingAxes::describe(p, field);
+    Site::describe(p, field);
+  }
+};
+
+using ReferenceSpec = std::variant<Hold, Steps, Slew, MrpSine, EulerSine, RateSine, AttitudeTable, BangBang, Nadir,
+                                   Target, SunPointing, TwoVector>;
+
+/// Where a reference is flown. Without an orbit, `orbit_rate` alone turns an orbital frame that is N at t = 0.
+struct Surroundings {
+  std::optional<truth::Orbit> orbit = {};
+  double orbit_rate = 0;  ///< rad/s
+};
+
+/// A reference in time. Samples must be asked in order of their tick (RateSine integrates, the sign of q_NR goes on).
 class ReferencePath {
  public:
+  using Function = std::function<Reference<double>(Tick tick, double t)>;
+
   /// Throws std::invalid_argument with one line.
-  ReferencePath(ReferenceSpec spec, double dt, const std::string& where = "reference");
+  ReferencePath(ReferenceSpec spec, double dt, Surroundings around = {}, const std::string& where = "reference");
+  /// One that comes from outside: attitude, rate and acceleration are what it returns.
+  ReferencePath(Function outside, double dt) : dt_(dt), outside_(std::move(outside)) {}
+
+  /// Refuses a flight on which the two directions of a pointing reference come together, at steps of a quarter of a second.
+  /// @throws std::invalid_argument with time and angle
+  void survey(Tick ticks) const;
 
   /// The reference at t = tick dt.
   const Reference<double>& at(Tick tick);
 
  private:
   void evaluate(Tick tick);
+  MovingVector direction(TwoVector::Direction which, double t) const;
+  Reference<double> pointed(double t) const;
+  Reference<double> over_the_ground(const Nadir& p, double t) const;
+  void point(const TwoVector& p);
 
   ReferenceSpec spec_;
   double dt_;
+  Surroundings around_;
+  Function outside_;
+  std::string where_;
+  std::optional<TwoVector> two_vector_;  // Target, SunPointing, TwoVector
   Reference<double> now_;
   Tick next_ = 0;
   std::vector<Quat<double>> stops_;  // Steps: one a time

@@ -264,7 +264,7 @@ std::string text_of(const GuardActions& did) {
 
 std::vector<CheckRow> check(const Assembly& a, const ExternalComponents& external) {
   (void)make_plant(a);
-  (void)ReferencePath(a.reference, a.setup.dt);
+  (void)make_reference(a, external);
   return check_components(a, external);
 }
 
@@ -298,7 +298,7 @@ Table resolve(const Table& scenario, const Assembly& a) {
   const auto typed = [&](const char* key, const auto& variant) {
     std::visit([&](const auto& data) { out.set(key, resolved(describe_params(data), {}, data.name)); }, variant);
   };
-  typed("reference", a.reference);
+  if (!a.reference_outside) typed("reference", a.reference);
   typed("integrator", a.plant.integrator);
   return out;
 }
@@ -312,9 +312,10 @@ namespace {
 RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalComponents& external,
                 const RunOptions& options) {
   truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(options.channels), a.setup.dt,
-                         a.setup.vehicle.wheels);
-  ReferencePath reference(a.reference, a.setup.dt);
+                         a.setup.vehicle.wheels, a.plant.orbit);
+  ReferencePath reference = make_reference(a, external);
   FlightParts parts(a, external);
+  const Outside outside = external.outside ? external.outside(a.setup) : Outside{};
   std::optional<Recorder> recorder;
   if (options.record) {
     const std::vector<std::string> names =
@@ -324,7 +325,7 @@ RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalCompo
   }
   Watcher watcher(a, plant, parts, recorder ? &*recorder : nullptr, options);
   RunResult result;
-  result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher);
+  result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher, outside);
   result.events = std::move(watcher).take_events();
   result.statistics = plant.statistics();
   if (recorder) {

@@ -97,10 +97,10 @@ struct Slots::Target {
 };
 
 Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::vector<std::string> words) {
-  static const std::vector<std::string> heads = {"vehicle",   "flexible",  "thrusters", "truth",        "initial",
-                                                 "seed",      "navigator", "observer",  "detector",     "controller",
-                                                 "allocator", "faults",    "shadows",   "disturbances", "reference",
-                                                 "sensors",   "integrator"};
+  static const std::vector<std::string> heads = {
+      "vehicle", "orbit",   "desaturation", "flexible",  "cmg",      "thrusters",  "truth",
+      "initial", "seed",    "navigator",    "observer",  "detector", "controller", "allocator",
+      "faults",  "shadows", "disturbances", "reference", "sensors",  "integrator"};
   const auto next = [&] {
     if (words.empty()) refuse(path, "more belongs here: the name of a parameter");
     const std::string word = words.front();
@@ -130,7 +130,8 @@ Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::
     if (table_.find("seed") == nullptr) table_.set("seed", 0);
     return {&table_, {}, describe("run", "run").params, {"seed"}};
   }
-  if (head == "vehicle" || head == "flexible" || head == "thrusters" || head == "truth" || head == "initial")
+  if (head == "vehicle" || head == "orbit" || head == "desaturation" || head == "flexible" || head == "cmg" ||
+      head == "thrusters" || head == "truth" || head == "initial")
     return {&table_at(table_, head), {head}, describe(head, head).params, words};
   if (head == "navigator") return component(c.navigators, table_at(table_, head), {head}, a.navigator);
   if (head == "observer") return component(c.observers, table_at(table_, head), {head}, a.observer);

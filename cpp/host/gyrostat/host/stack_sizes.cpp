@@ -5,6 +5,7 @@
 #include <array>
 
 #include "gyrostat/flight/allocators.hpp"
+#include "gyrostat/flight/control_moment_gyros.hpp"
 #include "gyrostat/flight/controllers.hpp"
 #include "gyrostat/flight/detectors.hpp"
 #include "gyrostat/flight/navigators.hpp"
@@ -43,7 +44,9 @@ constexpr auto joined(const std::array<GyrostatPartSize, n>&... lists) {
 /// A navigator's: what it was given, and what it made of it.
 constexpr std::array frames{GyrostatPartSize{nullptr, "frame", frame<double>(), frame<float>()},
                             GyrostatPartSize{nullptr, "navigation", 2 * padded(sizeof(Measurement<double>)),
-                                             2 * padded(sizeof(Measurement<float>))}};
+                                             2 * padded(sizeof(Measurement<float>))},
+                            GyrostatPartSize{nullptr, "gyros", padded(sizeof(ControlMomentGyros<double>)),
+                                             padded(sizeof(ControlMomentGyros<float>))}};
 constexpr auto parts =
     joined(frames, sizes("navigator", Navigators{}), sizes("observer", Observers{}), sizes("detector", Detectors{}),
            sizes("controller", Controllers{}), sizes("allocator", Allocators{}));

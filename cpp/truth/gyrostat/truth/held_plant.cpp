@@ -32,7 +32,7 @@ HeldPlant::HeldPlant(PlantModel& model, const InitialState& initial, double dt, 
       D_B_(model.D_B),
       states_(states),
       actuators_(std::move(model.actuators), std::move(model.faults)),
-      external_(std::move(model.disturbances), J_total_B, model.orbit_rate),
+      external_(std::move(model.disturbances), J_total_B, model.orbit_rate, std::move(model.orbit)),
       dt_(dt) {
   const bool symmetric =
       (J_B_ - J_B_.transpose()).norm() <= 1e-12 * J_B_.norm();  // rounding of what the caller computed
@@ -150,10 +150,12 @@ void HeldPlant::step_towards(double stop) {
     length_ = t1 - t_;
     fit_delivered(t1);
   }
-  if (!cvode_ || restart_) absorb_outer_impulse();
+  if (stops_.any()) end_at_stops(t1);
+  if (!has_history()) absorb_outer_impulse();
   t1 = fly_piece(t1);
   statistics_.pieces += static_cast<std::uint64_t>(pieces_);
   take_up_storage((t1 - t_) / length_);
+  if (stops_.any()) snap_to_stops();
   t_ = t1;
   if (t_ >= dry) actuators_.run_dry();
   if (!std::isfinite(y_[0] + y_[1] + y_[2] + y_[3] + y_[4] + y_[5] + y_[6])) throw NonFiniteState(t_);
@@ -240,6 +242,63 @@ void HeldPlant::hold() noexcept {
   }
 }
 
+/// A channel at a stop delivers nothing outward. The piece ends where one reaches its stop or leaves it: of constant drives
+/// exactly, of others within 1e-12 s.
+void HeldPlant::end_at_stops(double& t1) noexcept {
+  constexpr int probes = 8;
+  const double shortest = 1e-12 + 1e-15 * t_;  // CVODE needs as much to start
+  stopped_ = {};
+  double end = 1;  // of the piece
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (!stops_.test(i)) continue;
+    const Cubic& drive = delivered_[static_cast<std::size_t>(i)];
+    const double P = stored(i);
+    const int side = P <= stop_lo_[i] ? -1 : P >= stop_up_[i] ? 1 : 0;  // P' = -drive
+    const bool rests = side != 0 && -side * drive[0] >= 0;
+    stopped_.set(i, rests);
+    const auto over = [&](double x) {
+      if (rests) return -side * value(drive, x) < 0;
+      const double p = stored(i, x);
+      return p < stop_lo_[i] || p > stop_up_[i];
+    };
+    if (!rests && actuators_.constant(i)) {
+      const double bound = drive[0] > 0 ? stop_lo_[i] : stop_up_[i];
+      if (over(end)) end = std::min(end, (P - bound) / (length_ * drive[0]));
+      continue;
+    }
+    double lo = 0;
+    for (int k = 1; k <= probes && lo < end; ++k) {
+      const double hi = static_cast<double>(k) / probes;
+      if (over(hi)) {
+        end = std::min(end, bisect(lo, hi, 1e-12 / length_, over));
+        break;
+      }
+      lo = hi;
+    }
+  }
+  if (end < 1) {
+    t1 = std::min(t1, t_ + std::max(end * length_, shortest));
+    length_ = t1 - t_;
+    fit_delivered(t1);
+  }
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (stopped_.test(i)) delivered_[static_cast<std::size_t>(i)] = {};
+  }
+}
+
+/// What a piece has brought to a stop, but for rounding, is there.
+void HeldPlant::snap_to_stops() noexcept {
+  for (int i = 0; i < actuators_.size(); ++i) {
+    if (!stops_.test(i)) continue;
+    const double P = stored(i), near = 1e-11 * (stop_up_[i] - stop_lo_[i]);
+    for (const double bound : {stop_lo_[i], stop_up_[i]}) {
+      if (std::abs(P - bound) > near) continue;
+      stored_[i] = bound;
+      stored_rest_[i] = 0;
+    }
+  }
+}
+
 /// Puts the impulse that leaves along fixed axes into the body's momentum and begins to count it anew, so that it stays small.
 /// Changes the state: only where the integrator has no history.
 void HeldPlant::absorb_outer_impulse() noexcept {
@@ -305,7 +364,8 @@ void HeldPlant::show_thrust() noexcept {
 
 InnerRates HeldPlant::inner_rates() const noexcept {
   Vec3<double> held{y_[4], y_[5], y_[6]};
-  if (outer_.any()) held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w);
+  if (outer_.any() || leaves_beside_axes_)
+    held = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w) + turning_others_B_;
   const double precession2 = held.squaredNorm() * inverse_inertia_ * inverse_inertia_;
   return {std::sqrt(2 * (state_.omega_BN_B.squaredNorm() + precession2)), bending_rate_, friction_rate_};
 }
@@ -349,7 +409,7 @@ TruthSample HeldPlant::sampled() const {
     const Effect e = actuators_.effect(i, t_);
     s.effectiveness[i] = e.effectiveness;
     s.bias[i] = e.bias;
-    s.delivered[i] = actuators_.delivered(i, t_);
+    s.delivered[i] = delivered(i);
   }
   const Thrusters& thrusters = actuators_.actuators().thrusters;
   for (int i = thrusters.first; thrusters.has(i) && t_ > interval_began_; ++i) {

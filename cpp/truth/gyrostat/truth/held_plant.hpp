@@ -43,6 +43,12 @@ class HeldPlant {
   /// Holds the command u (N m, one an actuator) from this sample to the next. Takes at most 200 000 steps.
   /// @throws IntegrationError, NonFiniteState, std::invalid_argument when u has the wrong length
   void advance(const VecN<double>& u);
+  /// Holds a torque on the body (N m) besides all disturbances, from now until another one: a discontinuity where it changes.
+  void push(const Vec3<double>& torque_B) noexcept {
+    if (torque_B == external_.outside_B()) return;
+    external_.hold(torque_B);
+    restart_ = true;
+  }
   /// Holds u to any time not before the present one, in one interval. `advance` then goes on to the next sample.
   void advance_to(const VecN<double>& u, double t_end);
 
@@ -74,6 +80,8 @@ class HeldPlant {
 
   /// The sample without acceleration; delivered without what bearings do.
   TruthSample sampled() const;
+  /// N m, now: what drive, faults, limits and stops leave.
+  double delivered(int i) const noexcept { return stopped_.test(i) ? 0.0 : actuators_.delivered(i, t_); }
   /// Polynomials of the piece, of what goes along fixed axes.
   void hold() noexcept;
   double rk4_steps(double length) const noexcept;
@@ -83,6 +91,10 @@ class HeldPlant {
   void integrate_as(const Context& context, double t1);
   template <int capacity, class F>
   double pair_towards(const F& rhs, double t, double t1, State& y);
+
+  /// Whether the integrator remembers steps before this piece; to be given up where the state is changed.
+  bool has_history() const noexcept { return cvode_ && !restart_; }
+  void forget_history() noexcept { restart_ = true; }
 
   /// N m s, that channel i has stored or given away; at x = (t - t_) / length_ of the present piece.
   double stored(int i) const noexcept { return stored_[i] + stored_rest_[i]; }
@@ -95,9 +107,12 @@ class HeldPlant {
   int states_;
   Mask in_equations_;   ///< channels of effectors in the right-hand side
   Mask along_, outer_;  ///< channels whose impulse goes along a fixed axis; of these, those where it leaves the vehicle
-  double bending_rate_ = 0;   ///< rad/s, of the quickest mode of an appendage
-  double friction_rate_ = 0;  ///< 1/s, at which the quickest speed dies out in viscous friction
-  bool looks_ahead_ = false;  ///< pieces are flown a step at a time
+  bool leaves_beside_axes_ = false;  ///< some impulse that leaves the vehicle does not go along a fixed axis
+  double bending_rate_ = 0;          ///< rad/s, of the quickest mode of an appendage
+  double friction_rate_ = 0;         ///< 1/s, at which the quickest speed dies out in viscous friction
+  bool looks_ahead_ = false;         ///< pieces are flown a step at a time
+  Vec3<double> turning_others_B_ =
+      Vec3<double>::Zero();  ///< N m s, beside body and wheels, that turns with the vehicle
   FaultyActuators actuators_;
   Disturbances external_;
   double dt_;
@@ -113,6 +128,9 @@ class HeldPlant {
   VecN<double> stored_rest_;  ///< what rounding kept out of stored_ (compensated summation)
   int degree_ = 0;
   std::array<Cubic, max_actuators> delivered_{};  ///< N m, in (t - t_) / length_, without viscous friction
+  Mask stops_;                                    ///< channels whose impulse has bounds,
+  VecN<double> stop_lo_, stop_up_;                ///< N m s: what drives it further outward is not delivered
+  Mask stopped_;                                  ///< of these, at one on the present piece
   Held held_;
   IntegratorStatistics statistics_;
 
@@ -126,6 +144,8 @@ class HeldPlant {
   double first_kink(double t1) const noexcept;
   void fit_delivered(double t1) noexcept;
   double least_steps(double length) const;
+  void end_at_stops(double& t1) noexcept;
+  void snap_to_stops() noexcept;
   void absorb_outer_impulse() noexcept;
   void take_up_storage(double x) noexcept;
   double dry_time(double t1) const noexcept;

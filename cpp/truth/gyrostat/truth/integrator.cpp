@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "gyrostat/truth/integrator.hpp"
 
-#include <cvode/cvode.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_config.h>
-#include <sundials/sundials_context.h>
-#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
-
 #include <algorithm>
+
+#include "sundials_compat.hpp"
 
 namespace gyrostat::truth {
 namespace {
@@ -17,25 +13,6 @@ constexpr long max_steps = 200'000;  // of one advance: ends a run that would cr
 /// The corrector iterates to this fraction of the error test. CVODE's own 0.1 lets the iteration's error add up over a
 /// long free run: ours halves the error at the end and needs fewer steps.
 constexpr double corrector_fraction = 0.01;
-
-// ---- what differs between SUNDIALS 6 (tested) and 7 (untested) -------------------------------------------------------
-#if SUNDIALS_VERSION_MAJOR >= 7
-SUNContext make_context() {
-  SUNContext context = nullptr;
-  if (SUNContext_Create(SUN_COMM_NULL, &context) != 0) return nullptr;
-  SUNContext_ClearErrHandlers(context);  // errors come back as flags, nothing is printed
-  return context;
-}
-void silence(void*) {}
-#else
-SUNContext make_context() {
-  SUNContext context = nullptr;
-  return SUNContext_Create(nullptr, &context) == 0 ? context : nullptr;
-}
-void silence(void* cvode) {  // errors come back as flags, nothing is printed
-  CVodeSetErrHandlerFn(cvode, [](int, const char*, const char*, char*, void*) {}, nullptr);
-}
-#endif
 
 std::string stopped(int flag) { return "CVODE stopped (flag " + std::to_string(flag) + ")"; }
 
@@ -47,7 +24,7 @@ struct Call {
 }  // namespace
 
 extern "C" {
-static int gyrostat_cvode_rhs(realtype t, N_Vector y, N_Vector ydot, void* user) {
+static int gyrostat_cvode_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* user) {
   const Call* call = static_cast<const Call*>(user);
   call->rhs(t, NV_DATA_S(y), NV_DATA_S(ydot), call->context);
   return 0;

@@ -2,14 +2,17 @@
 /// @file  What flies: what the loop, the recorder and the metrics ask of a plant, and what its models have in common.
 #pragma once
 #include <concepts>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "gyrostat/truth/actuators.hpp"
 #include "gyrostat/truth/disturbances.hpp"
+#include "gyrostat/truth/effectors/control_moment_gyro.hpp"
 #include "gyrostat/truth/effectors/flexible_mode.hpp"
 #include "gyrostat/truth/integrator.hpp"
+#include "gyrostat/truth/orbit.hpp"
 #include "gyrostat/truth/sensors.hpp"
 
 namespace gyrostat::truth {
@@ -18,12 +21,15 @@ namespace gyrostat::truth {
 struct PlantModel {
   Mat3<double> J_B = Mat3<
       double>::Identity();  ///< kg m^2, total inertia less what effectors take (wheels: Js g g', modes: delta delta')
-  Mat3N<double> D_B{3, 0};  ///< actuator axes in columns
+  Mat3N<double> D_B{3, 0};  ///< actuator axes in columns; of magnetorquers those of their dipoles
   Actuators actuators = Actuators::ideal(0);
   std::vector<Fault> faults;
-  std::vector<FlexibleMode> modes;  ///< of appendages
+  std::vector<FlexibleMode> modes;       ///< of appendages
+  std::vector<ControlMomentGyro> gyros;  ///< each drives its channel; their slow_downs come from the faults
+  Mask magnetorquers;                    ///< actuators whose command is a dipole, A m^2
   std::vector<Disturbance> disturbances;
-  double orbit_rate = 0;  ///< rad/s, for gravity_gradient and the Euler-angle model
+  double orbit_rate = 0;       ///< rad/s, for gravity_gradient without an orbit and the Euler-angle model
+  std::optional<Orbit> orbit;  ///< N is then the Earth's equatorial frame
   Integrator integrator;
 };
 
@@ -38,10 +44,11 @@ struct InitialState {
 struct TruthState {
   double t = 0;  ///< s
   Quat<double> q_NB = Quat<double>::Identity();
-  Vec3<double> omega_BN_B = Vec3<double>::Zero();          ///< rad/s
-  VecN<double> h_w;                                        ///< N m s
-  VecN<double> eta, eta_rate;                              ///< kg^1/2 m, kg^1/2 m/s, of the modes of appendages
-  double propellant = 0;                                   ///< kg, that thrusters have used
+  Vec3<double> omega_BN_B = Vec3<double>::Zero();  ///< rad/s
+  VecN<double> h_w;                                ///< N m s
+  VecN<double> eta, eta_rate;                      ///< kg^1/2 m, kg^1/2 m/s, of the modes of appendages
+  VecN<double> gimbal, rotor_momentum;             ///< rad, N m s, one an actuator; empty without control moment gyros
+  double propellant = 0;                           ///< kg, that thrusters have used
   Vec3<double> thruster_impulse_B = Vec3<double>::Zero();  ///< N s, integral of their force in body axes
   Vec3<double> angles = Vec3<double>::Zero();  ///< rad, roll, pitch, yaw of a plant whose states they are; else zero
 };

@@ -17,7 +17,9 @@ class RigidPlantOf final : public HeldPlant {
       : RigidPlantOf(all_effectors(model, std::move(others)), model, initial, dt) {}
 
   Measurement<double> measure(Sensors& sensors) const {
-    return sensors.measure(tick(), state_.q_NB, state_.omega_BN_B, state_.h_w);
+    Measurement<double> y = sensors.measure(tick(), state_.q_NB, state_.omega_BN_B, state_.h_w);
+    y.gimbal = state_.gimbal;
+    return y;
   }
   TruthSample sample() const;
   EulerState<double> euler() const noexcept;
@@ -37,14 +39,16 @@ class RigidPlantOf final : public HeldPlant {
   };
 
   RigidPlantOf(List effectors, PlantModel& model, const InitialState& initial, double dt);
-  static List all_effectors(const PlantModel& model, List others);
+  static List all_effectors(PlantModel& model, List others);
   static Mat3<double> total_inertia(const Mat3<double>& J_B, const List& effectors);
   void list_effectors();
+  void set_up_gimbals(const std::vector<ControlMomentGyro>& gyros);
   void look_at_modes();
 
   double fly_piece(double t1) override;
   void publish() override;
   void show_others();
+  void absorb_beside_axes();
 
   void settle_wheels() noexcept;
   void settle_standing() noexcept;
@@ -79,14 +83,20 @@ class RigidPlantOf final : public HeldPlant {
     double impulse = 0, torque = 0;  ///< P, and the drive of its channel
   };
   auto driven_now() const noexcept {
-    return [this](int i) { return Driven{stored(i), actuators_.delivered(i, t_)}; };
+    return [this](int i) { return Driven{stored(i), delivered(i)}; };
   }
   auto driven_at(double x) const noexcept {
     return [this, x](int i) { return Driven{stored(i, x), value(delivered_[static_cast<std::size_t>(i)], x)}; };
   }
   Scene scene(double x, const State& y, const Vec3<double>& omega_BN_B) const noexcept {
-    return {t_ + x * length_, {y[0], y[1], y[2], y[3]}, omega_BN_B};
+    return scene_at(t_ + x * length_, y.data(), omega_BN_B, orbit_of_effectors());
   }
+  Scene scene_now() const noexcept {
+    const Quat<double>& q = state_.q_NB;
+    const std::array<double, 4> y{q.w(), q.x(), q.y(), q.z()};
+    return scene_at(t_, y.data(), state_.omega_BN_B, orbit_of_effectors());
+  }
+  const Orbit* orbit_of_effectors() const noexcept { return magnetic_ ? external_.orbit() : nullptr; }
   Others others(const Scene& scene, const State& y, const auto& driven) const noexcept;
 
   const Wheel& wheel(int i) const noexcept { return *wheel_[static_cast<std::size_t>(i)]; }
@@ -94,7 +104,7 @@ class RigidPlantOf final : public HeldPlant {
   double friction(int i, double speed) const noexcept;
   double inward(int i, int side, double drive, double speed) const noexcept;
   bool turning(int i) const noexcept { return !full_.test(i) && !standing_.test(i); }
-  Motion<List> motion() const noexcept { return {effectors_, external_, held_}; }
+  Motion<List> motion() const noexcept { return {effectors_, external_, held_, orbit_of_effectors()}; }
 
   static constexpr double at_rest = 1e-13;     ///< of the parts of a speed: it is zero
   static constexpr double rounding = 1e-12;    ///< relative, of a momentum or torque beyond its bound
@@ -112,6 +122,7 @@ class RigidPlantOf final : public HeldPlant {
 
   List effectors_;
   bool others_fly_ = false;
+  bool magnetic_ = false;                            ///< some of them need the field
   std::array<const Wheel*, max_actuators> wheel_{};  ///< by channel, into effectors_
   std::array<FrictionWheel*, max_actuators> friction_wheel_{};
   std::array<int, max_actuators> friction_index_{};  ///< into the state; -1: none

@@ -46,13 +46,43 @@ inline void refuse_quick_bearings(const std::vector<FrictionWheel>& wheels, doub
                               text(dt / InnerRates::most_in_a_sample) + " s, can be integrated");
 }
 
+/// Each with those of the faults that slow its rotor down. A fault of which nothing is left ends when the rotor is at rest.
+inline std::vector<ControlMomentGyro> with_slow_downs(std::vector<ControlMomentGyro> gyros,
+                                                      std::vector<Fault>& faults) {
+  std::vector<bool> taken(faults.size(), false);
+  for (ControlMomentGyro& gyro : gyros) {
+    std::vector<RotorSlowDown*> own;
+    for (std::size_t k = 0; k < faults.size(); ++k) {
+      auto* fault = std::get_if<RotorSlowDown>(&faults[k]);
+      if (fault == nullptr || fault->window.actuator != gyro.channel) continue;
+      own.push_back(fault);
+      gyro.slow_downs.push_back(*fault);
+      taken[k] = true;
+    }
+    const double rest = gyro.rest_time(gyro.slow_downs);
+    gyro.slow_downs.clear();
+    for (RotorSlowDown* fault : own) {
+      if (!(fault->window.t_on < rest)) continue;
+      fault->window.t_off = std::min(fault->window.t_off, rest);
+      gyro.slow_downs.push_back(*fault);
+    }
+  }
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    const auto* fault = std::get_if<RotorSlowDown>(&faults[k]);
+    if (fault == nullptr || taken[k]) continue;
+    throw std::invalid_argument("fault rotor_slow_down: actuator " + std::to_string(fault->window.actuator) +
+                                " is no control moment gyro");
+  }
+  return gyros;
+}
+
 }  // namespace detail
 
 // ---- effectors ------------------------------------------------------------------------------------------------------
 
 /// Those that are given, and a wheel or torquer for each channel that none of them takes.
 template <class List>
-List RigidPlantOf<List>::all_effectors(const PlantModel& model, List others) {
+List RigidPlantOf<List>::all_effectors(PlantModel& model, List others) {
   const Actuators& a = model.actuators;
   if (const std::string error = a.check(); !error.empty()) throw std::invalid_argument(error);
   detail::refuse_if(model.D_B.cols() < a.size(), "body: D_B must have one column an actuator");
@@ -60,6 +90,18 @@ List RigidPlantOf<List>::all_effectors(const PlantModel& model, List others) {
     for (const FlexibleMode& mode : model.modes) others.add(mode);
   } else {
     detail::refuse_if(!model.modes.empty(), "plant: appendages need effectors that bend");
+  }
+  const std::vector<ControlMomentGyro> gyros = detail::with_slow_downs(model.gyros, model.faults);
+  if constexpr (List::template has<ControlMomentGyro>) {
+    for (const ControlMomentGyro& gyro : gyros) others.add(gyro);
+  } else {
+    detail::refuse_if(!gyros.empty(), "plant: control moment gyros need effectors that are some");
+  }
+  if constexpr (List::template has<Magnetorquer>) {
+    for (int i = 0; i < a.size(); ++i) {
+      if (model.magnetorquers.test(i)) others.add(Magnetorquer{i, model.D_B.col(i)});
+    }
+    detail::refuse_if(model.magnetorquers.any() && !model.orbit, "plant: magnetorquers need an orbit, for its field");
   }
   Mask taken;
   others.each([&](const auto& e) {
@@ -103,13 +145,16 @@ RigidPlantOf<List>::RigidPlantOf(List effectors, PlantModel& model, const Initia
   const double norm = initial.q_NB.norm();
   detail::refuse_if(!(norm > 0) || !std::isfinite(norm), "plant: the initial quaternion must be finite and not zero");
   list_effectors();
+  if (!model.gyros.empty()) set_up_gimbals(model.gyros);
   for (int i = 0; i < actuators_.size(); ++i) {
     detail::refuse_if(!is_wheel(i) && stored_[i] != 0, "plant: h_w of an ideal torquer must be zero");
     detail::refuse_if(is_wheel(i) && std::abs(stored_[i]) > wheel(i).momentum_max,
                       "plant: a wheel starts beyond its momentum_max");
   }
   const Quat<double> q = initial.q_NB.normalized();
-  const Scene scene{0, q, initial.omega_BN_B};
+  state_.q_NB = q;
+  state_.omega_BN_B = initial.omega_BN_B;
+  const Scene scene = scene_now();
   double* inner = y_.data() + rigid_states;
   effectors_.each_coupled([&]<class E>(const E& e) {
     if constexpr (E::states > 0) e.start(scene, inner);
@@ -119,6 +164,22 @@ RigidPlantOf<List>::RigidPlantOf(List effectors, PlantModel& model, const Initia
   if (others_fly()) H_B += others(scene, y_, driven_now()).momentum_B;
   std::copy_n(std::array{q.w(), q.x(), q.y(), q.z(), H_B[0], H_B[1], H_B[2]}.begin(), rigid_states, y_.begin());
   begin(initial.omega_BN_B);
+}
+
+/// Stops of gimbals are bounds of the impulse: the angle is a linear function of it.
+template <class List>
+void RigidPlantOf<List>::set_up_gimbals(const std::vector<ControlMomentGyro>& gyros) {
+  const int n = actuators_.size();
+  state_.gimbal = state_.rotor_momentum = VecN<double>::Zero(n);
+  stop_up_ = VecN<double>::Constant(n, infinity);
+  stop_lo_ = -stop_up_;
+  for (const ControlMomentGyro& gyro : gyros) {
+    detail::refuse_if(std::abs(gyro.angle) > gyro.angle_max, "plant: a gimbal starts beyond its stop");
+    if (gyro.angle_max == infinity) continue;
+    stops_.set(gyro.channel);
+    stop_lo_[gyro.channel] = gyro.rotor_momentum * (gyro.angle - gyro.angle_max);
+    stop_up_[gyro.channel] = gyro.rotor_momentum * (gyro.angle + gyro.angle_max);
+  }
 }
 
 /// Which channels are what, and where the states of friction wheels are.
@@ -131,6 +192,8 @@ void RigidPlantOf<List>::list_effectors() {
     const auto index = static_cast<std::size_t>(e.channel);
     if (e.channel >= 0) in_equations_.set(e.channel, detail::Coupled<E>);
     if constexpr (detail::Coupled<E> && !std::derived_from<E, Wheel>) others_fly_ = true;
+    if constexpr (detail::Coupled<E> && E::storage == Storage::outer) leaves_beside_axes_ = true;
+    if constexpr (std::same_as<E, Magnetorquer>) magnetic_ = true;
     if constexpr (E::along_axis) {
       along_.set(e.channel);
       outer_.set(e.channel, E::storage == Storage::outer);
@@ -200,6 +263,7 @@ auto RigidPlantOf<List>::others(const Scene& scene, const State& y, const auto& 
 
 template <class List>
 double RigidPlantOf<List>::fly_piece(double t1) {
+  absorb_beside_axes();
   if (watched_.any()) settle_wheels();
   for (int i = 0; i < actuators_.size(); ++i) {
     const auto index = static_cast<std::size_t>(i);
@@ -267,6 +331,26 @@ Rhs RigidPlantOf<List>::rhs_of_effectors() const noexcept {
                             : &detail::call<derivative<true, false, List>, Motion<List>>;
 }
 
+/// As absorb_outer_impulse, of what is not along an axis; CVODE's history is given up where it has grown beyond what turns.
+template <class List>
+void RigidPlantOf<List>::absorb_beside_axes() {
+  if (!leaves_beside_axes_) return;
+  const Scene now = scene(0, y_, Vec3<double>::Zero());
+  Vec3<double> left_B = Vec3<double>::Zero();
+  effectors_.each_coupled([&]<class E>(const E& e) {
+    if constexpr (E::storage == Storage::outer && E::states == 0)
+      left_B += e.momentum_B(now, stored(e.channel), nullptr);
+  });
+  const Vec3<double> H{y_[4], y_[5], y_[6]};
+  const double most = 10 * ((H - left_B).norm() + 0.01 * J_B_.norm());  // of 0.01 rad/s: much for a dipole
+  if (has_history() && left_B.norm() <= most) return;
+  effectors_.each_coupled([&]<class E>(const E& e) {
+    if constexpr (E::storage == Storage::outer && E::states == 0) stored_[e.channel] = stored_rest_[e.channel] = 0;
+  });
+  for (int axis = 0; axis < 3; ++axis) y_[static_cast<std::size_t>(4 + axis)] -= left_B[axis];
+  forget_history();
+}
+
 // ---- what others see ------------------------------------------------------------------------------------------------------
 
 template <class List>
@@ -278,7 +362,11 @@ void RigidPlantOf<List>::publish() {
     if (along_.test(i)) Jw -= h * D_B_.col(i);
     if (is_wheel(i)) state_.h_w[i] = h;
   }
-  if (others_fly()) Jw -= others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now()).momentum_B;
+  if (others_fly()) {
+    const Others more = others(scene_now(), y_, driven_now());
+    Jw -= more.momentum_B;
+    turning_others_B_ = more.turning_B;
+  }
   state_.omega_BN_B = held_.J_B_inverse * Jw;
   if (others_fly()) show_others();
   if (!standing_.any()) return;
@@ -290,12 +378,14 @@ void RigidPlantOf<List>::publish() {
 /// What is seen of their states.
 template <class List>
 void RigidPlantOf<List>::show_others() {
-  const Scene scene{t_, state_.q_NB, state_.omega_BN_B};
+  const Scene scene = scene_now();
   const double* inner = y_.data() + rigid_states;
   state_.eta.resize(0);
   state_.eta_rate.resize(0);
   effectors_.each_coupled([&]<class E>(const E& e) {
-    if constexpr (requires { e.show(scene, inner, state_); }) e.show(scene, inner, state_);
+    if constexpr (requires { e.show(scene, 0.0, inner, state_); }) {
+      e.show(scene, e.channel < 0 ? 0.0 : stored(e.channel), inner, state_);
+    }
     inner += E::states;
   });
 }
@@ -324,13 +414,20 @@ TruthSample RigidPlantOf<List>::sample() const {
       s.delivered[i] += friction(i, wheel(i).speed(state_.h_w[i], state_.omega_BN_B));
     }
   }
+  effectors_.each([&]<class E>(const E& e) {  // of a gyro's, what its rotor still holds
+    if constexpr (std::same_as<E, ControlMomentGyro>) {
+      const double share = e.momentum(t_) / e.rotor_momentum;
+      for (VecN<double>* v : {&s.delivered, &s.effectiveness, &s.bias}) (*v)[e.channel] *= share;
+    }
+  });
   Vec3<double> rotating = J_B_ * state_.omega_BN_B + torque<double>(D_B_, state_.h_w),
                along = torque<double>(D_B_, s.delivered);
   if (others_fly()) {
+    along.setZero();
     for (int i = 0; i < n; ++i) {
-      if (!along_.test(i)) along -= s.delivered[i] * D_B_.col(i);
+      if (along_.test(i)) along += D_B_.col(i) * s.delivered[i];
     }
-    const Others more = others({t_, state_.q_NB, state_.omega_BN_B}, y_, driven_now());
+    const Others more = others(scene_now(), y_, driven_now());
     rotating += more.turning_B;
     along += more.torque_B;
   }

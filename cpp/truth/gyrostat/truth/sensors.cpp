@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "gyrostat/core/attitude.hpp"
@@ -18,6 +19,8 @@ enum Stream : std::uint64_t {
   rate_random_walk_stream = 3,
   tracker_stream = 4,
   outlier_stream = 5,
+  sun_stream = 6,
+  magnetometer_stream = 7,
   tachometer_stream = 16
 };
 
@@ -62,6 +65,10 @@ bool inside(const Windows& windows, double t) noexcept {
   return std::any_of(windows.begin(), windows.end(), [t](const auto& w) { return within(t, w[0], w[1]); });
 }
 
+double angle_between(const Vec3<double>& a, const Vec3<double>& b) noexcept {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
 /// At ticks phase + j every.
 bool scheduled(Tick tick, int every, int phase) noexcept {
   const auto first = static_cast<Tick>(phase);
@@ -79,17 +86,20 @@ const T& Sensors::DelayLine<T>::through(const T& now) {
 }
 
 Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler, double dt,
-                 Mask wheels)
-    : seed_(seed), run_(run), euler_(euler), dt_(dt), wheels_(wheels) {
-  int gyros = 0, attitudes = 0, tachometers = 0;
+                 Mask wheels, std::optional<Orbit> orbit)
+    : orbit_(std::move(orbit)), seed_(seed), run_(run), euler_(euler), dt_(dt), wheels_(wheels) {
+  int gyros = 0, attitudes = 0, suns = 0, fields = 0, tachometers = 0;
   for (const Sensor& sensor : sensors) {
     if (take_fault(sensor)) continue;
-    ++(std::holds_alternative<Gyro>(sensor)         ? gyros
-       : std::holds_alternative<Tachometer>(sensor) ? tachometers
-                                                    : attitudes);
-    if (gyros > 1 || attitudes > 1 || tachometers > 1)
+    ++(std::holds_alternative<Gyro>(sensor)           ? gyros
+       : std::holds_alternative<SunSensor>(sensor)    ? suns
+       : std::holds_alternative<Magnetometer>(sensor) ? fields
+       : std::holds_alternative<Tachometer>(sensor)   ? tachometers
+                                                      : attitudes);
+    if (gyros > 1 || attitudes > 1 || suns > 1 || fields > 1 || tachometers > 1)
       throw std::invalid_argument(
-          "sensors: one gyro, one attitude sensor (attitude or star_tracker) and one tachometer at most");
+          "sensors: one gyro, one attitude sensor (attitude or star_tracker), one sun_sensor, one magnetometer and one "
+          "tachometer at most");
     take(sensor);
   }
   check();
@@ -112,6 +122,14 @@ void Sensors::take(const Sensor& sensor) {
   if (const auto* tracker = std::get_if<StarTracker>(&sensor)) {
     tracker_ = *tracker;
     has_tracker_ = true;
+  }
+  if (const auto* sun_sensor = std::get_if<SunSensor>(&sensor)) {
+    sun_sensor_ = *sun_sensor;
+    has_sun_sensor_ = true;
+  }
+  if (const auto* magnetometer = std::get_if<Magnetometer>(&sensor)) {
+    magnetometer_ = *magnetometer;
+    has_magnetometer_ = true;
   }
 }
 
@@ -137,6 +155,30 @@ void Sensors::check() const {
     refuse(StarTracker::name, "rate_max must not be negative, and outlier_probability in [0, 1]");
   if (tracker_.outlier_probability > 0 && tracker_.outlier_angle == 0)
     refuse(StarTracker::name, "outlier_probability needs an outlier_angle");
+  check_sky();
+}
+
+/// What looks at sun, Earth and field.
+void Sensors::check_sky() const {
+  const auto in_half_turn = [](double angle) { return angle >= 0 && angle <= std::numbers::pi; };
+  if (!in_half_turn(tracker_.sun_keepout) || !in_half_turn(tracker_.earth_keepout))
+    refuse(StarTracker::name, "sun_keepout and earth_keepout must be in [0, pi]");
+  check_range(SunSensor::name, sun_sensor_.noise, 0, 0);
+  check_range(Magnetometer::name, magnetometer_.noise, 0, 0);
+  check_schedule(SunSensor::name, sun_sensor_.every, sun_sensor_.phase);
+  check_schedule(Magnetometer::name, magnetometer_.every, magnetometer_.phase);
+  check_windows(SunSensor::name, "blind", sun_sensor_.blind);
+  check_windows(Magnetometer::name, "blind", magnetometer_.blind);
+  if (!(sun_sensor_.boresight_B.norm() > 1e-9)) refuse(SunSensor::name, "boresight_B is zero and names no direction");
+  if (!in_half_turn(sun_sensor_.field_of_view)) refuse(SunSensor::name, "field_of_view must be in [0, pi]");
+  const char* asks = tracker_.sun_keepout > 0     ? "star_tracker: sun_keepout"
+                     : tracker_.earth_keepout > 0 ? "star_tracker: earth_keepout"
+                     : has_sun_sensor_            ? SunSensor::name
+                     : has_magnetometer_          ? Magnetometer::name
+                                                  : nullptr;
+  if (asks == nullptr) return;
+  if (!orbit_) throw std::invalid_argument("sensor " + std::string(asks) + " needs an orbit");
+  if (!(dt_ > 0)) throw std::invalid_argument("sensor " + std::string(asks) + " needs the sample period");
 }
 
 bool Sensors::take_fault(const Sensor& sensor) {
@@ -218,7 +260,7 @@ Quat<double> Sensors::tracked(Tick tick, const Exposure& now) {
   const Exposure& seen = exposures_.through(now);
   const double t_seen = (static_cast<double>(tick) - tracker_.latency) * dt_;
   attitude_fresh_ = exposures_.full() && scheduled(tick, tracker_.every, tracker_.phase) &&
-                    !inside(tracker_.blind, t_seen) && !(seen.rate > tracker_.rate_max);
+                    !inside(tracker_.blind, t_seen) && !(seen.rate > tracker_.rate_max) && !dazzled(t_seen, seen.q_NB);
   const Vec3<double> error_S = tracker_.noise.cwiseProduct(standard_normals(seed_, run_, tracker_stream, tick));
   Quat<double> q = seen.q_NB * small_rotation(tracker_.q_BS * error_S);
   if (tracker_.outlier_probability > 0 || tracker_.flip_sign) {
@@ -227,6 +269,42 @@ Quat<double> Sensors::tracked(Tick tick, const Exposure& now) {
     if (tracker_.flip_sign && u[3] < 0.5) q.coeffs() = -q.coeffs();
   }
   return q;
+}
+
+/// Whether sun or Earth stands too near to the tracker's boresight.
+bool Sensors::dazzled(double t, const Quat<double>& q_NB) const {
+  if (tracker_.sun_keepout == 0 && tracker_.earth_keepout == 0) return false;
+  const Vec3<double> boresight_N = q_NB * tracker_.q_BS.normalized() * Vec3<double>::UnitZ();
+  if (angle_between(boresight_N, orbit_->sun_N()) < tracker_.sun_keepout) return true;
+  if (tracker_.earth_keepout == 0) return false;
+  const Vec3<double> r_N = orbit_->r_N(t);
+  return angle_between(boresight_N, -r_N) < std::asin(earth::radius / r_N.norm()) + tracker_.earth_keepout;
+}
+
+/// Sun and field: what the sensors show, and where both are.
+void Sensors::see_sky(Measurement<double>& y, const Quat<double>& q_NB) {
+  if (!orbit_) return;
+  const double t = static_cast<double>(y.tick) * dt_;
+  const Quat<double> q_BN = q_NB.conjugate();
+  y.field_N = orbit_->field(t).B_N;
+  y.sun_N = orbit_->sun_N();
+  y.field_valid = scheduled(y.tick, magnetometer_.every, magnetometer_.phase) && !inside(magnetometer_.blind, t);
+  if (y.field_valid) {
+    field_shown_B_ = q_BN * y.field_N + magnetometer_.offset;
+    if (magnetometer_.noise > 0)
+      field_shown_B_ += magnetometer_.noise * standard_normals(seed_, run_, magnetometer_stream, y.tick);
+  }
+  y.field_B = field_shown_B_;
+  if (!has_sun_sensor_) return;
+  const Vec3<double> sun_B = q_BN * y.sun_N;
+  y.sun_valid = scheduled(y.tick, sun_sensor_.every, sun_sensor_.phase) && !inside(sun_sensor_.blind, t) &&
+                angle_between(sun_B, sun_sensor_.boresight_B) <= sun_sensor_.field_of_view && !orbit_->dark(t);
+  if (y.sun_valid) {
+    sun_shown_B_ = sun_B;
+    if (sun_sensor_.noise > 0) sun_shown_B_ += sun_sensor_.noise * standard_normals(seed_, run_, sun_stream, y.tick);
+    sun_shown_B_.normalize();
+  }
+  y.sun_B = sun_shown_B_;
 }
 
 Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B) {
@@ -276,6 +354,7 @@ Measurement<double> Sensors::measure(Tick tick, const Quat<double>& q_NB, const 
     y.euler.rates = euler_rates(y.euler.angles, y.omega_BN_B);
   }
   drop_out(y);
+  see_sky(y, q_NB);
   return y;
 }
 

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// @file  Sensors: gyro, attitude sensor or star tracker, and tachometers; faults of sensors.
+/// @file  Sensors: gyro, attitude sensor or star tracker, sun sensor, magnetometer and tachometers; faults of sensors.
 ///
-/// A sensor that has nothing at a sample says so (`rate_valid`, `attitude_valid`), and what it showed last goes on standing there.
+/// A sensor that has nothing at a sample says so (`rate_valid`, `attitude_valid`, ...), and what it showed last goes on standing there.
 /// Noise is counter-based (Philox, keyed by seed and run; the counter is tick and stream): each number depends on its
 /// own (seed, run, stream, tick) alone, whoever else draws and in whatever order.
 #pragma once
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <variant>
 #include <vector>
 
 #include "gyrostat/core/params.hpp"
+#include "gyrostat/truth/orbit.hpp"
 
 namespace gyrostat::truth {
 
@@ -67,7 +69,8 @@ struct AttitudeSensor {
 };
 
 /// Star tracker: q_NB of `latency` samples ago, turned by noise that is given in the tracker's own axes, boresight z. A fix at ticks
-/// phase + j every, unless the latency has not filled or, when the stars were seen, it was blind or the body turned too fast.
+/// phase + j every, unless the latency has not filled or, when the stars were seen, it was blind, the body turned too fast, or sun or
+/// Earth stood too near to the boresight.
 struct StarTracker {
   static constexpr const char* name = "star_tracker";
   Vec3<double> noise = Vec3<double>::Zero();
@@ -75,6 +78,7 @@ struct StarTracker {
   int latency = 0, every = 1, phase = 0;
   Windows blind = {};
   double rate_max = std::numeric_limits<double>::infinity();
+  double sun_keepout = 0, earth_keepout = 0;
   double outlier_probability = 0, outlier_angle = 0;
   bool flip_sign = false;
 
@@ -88,10 +92,54 @@ struct StarTracker {
                          "rows [t_on, t_off] in which no star is seen"});
     field(p.rate_max, Field{"rate_max", "rad/s", 0, std::numeric_limits<double>::infinity(),
                             "body rate above which no star is seen"});
+    field(p.sun_keepout, Field{"sun_keepout", "rad", 0, std::numbers::pi,
+                               "angle from the sun below which no star is seen; 0: none", "degrees"});
+    field(p.earth_keepout, Field{"earth_keepout", "rad", 0, std::numbers::pi,
+                                 "angle from the edge of the Earth below which no star is seen; 0: none", "degrees"});
     field(p.outlier_probability, Field{"outlier_probability", "", 0, 1, "of a fix that is wrong and called valid"});
     field(p.outlier_angle, Field{"outlier_angle", "rad", 0, std::numbers::pi,
                                  "turn of an outlier, about an axis drawn from the sphere"});
     field(p.flip_sign, Switch{"flip_sign", "give q or -q, drawn for each fix"});
+  }
+};
+
+/// Direction to the sun, in body axes: unit(C_BN s_N + noise). New at ticks phase + j every where the sun is in the field of view and
+/// shines.
+struct SunSensor {
+  static constexpr const char* name = "sun_sensor";
+  double noise = 0;
+  Vec3<double> boresight_B{0, 0, 1};
+  double field_of_view = std::numbers::pi;
+  int every = 1, phase = 0;
+  Windows blind = {};
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.noise, Field{"noise", "rad", 0, 1, "white, one sigma a sample and axis of the unit vector"});
+    field(p.boresight_B, Field{"boresight_B", "", -1e12, 1e12, "middle of the field of view, of any length"});
+    field(p.field_of_view, Field{"field_of_view", "rad", 0, std::numbers::pi,
+                                 "half-angle of the cone in which the sun is seen; pi: everywhere", "degrees"});
+    field(p.every, Field{"every", "samples", 1, 1e6, "from one direction to the next"});
+    field(p.phase, Field{"phase", "samples", 0, 1e6, "tick of the first direction"});
+    field(p.blind, Field{"blind", "s", 0, std::numeric_limits<double>::infinity(),
+                         "rows [t_on, t_off] in which nothing is seen"});
+  }
+};
+
+/// Magnetic field in body axes: C_BN B_N + offset + noise. New at ticks phase + j every.
+struct Magnetometer {
+  static constexpr const char* name = "magnetometer";
+  double noise = 0;
+  Vec3<double> offset = Vec3<double>::Zero();
+  int every = 1, phase = 0;
+  Windows blind = {};
+
+  static constexpr void describe(auto& p, auto&& field) {
+    field(p.noise, Field{"noise", "T", 0, 1e-3, "white, one sigma a sample and axis"});
+    field(p.offset, Field{"offset", "T", -1e-3, 1e-3, "of the vehicle's own magnetism, in body axes"});
+    field(p.every, Field{"every", "samples", 1, 1e6, "from one field to the next"});
+    field(p.phase, Field{"phase", "samples", 0, 1e6, "tick of the first field"});
+    field(p.blind, Field{"blind", "s", 0, std::numeric_limits<double>::infinity(),
+                         "rows [t_on, t_off] in which nothing is measured"});
   }
 };
 
@@ -174,18 +222,19 @@ struct MomentumDropout {
 
 /// Sensors, one of a kind (an attitude sensor or a star tracker), and faults of sensors, any number. Scale acts first, then bias,
 /// freeze, dropout.
-using Sensor = std::variant<Gyro, AttitudeSensor, StarTracker, Tachometer, RateBias, RateFreeze, RateScale, RateDropout,
-                            AttitudeDropout, MomentumDropout>;
+using Sensor = std::variant<Gyro, AttitudeSensor, StarTracker, SunSensor, Magnetometer, Tachometer, RateBias,
+                            RateFreeze, RateScale, RateDropout, AttitudeDropout, MomentumDropout>;
 
 class Sensors {
  public:
-  /// A kind that is not in `sensors` is perfect.
+  /// A kind that is not in `sensors` is perfect, the magnetometer on an orbit alone; a sun sensor that is not there is none.
   /// @param euler  fill Measurement::euler too (3-2-1 angles and rates of what was measured)
   /// @param dt  sample period, s, of which faults count their onset
   /// @param wheels  actuators with a tachometer
+  /// @param orbit  where sun, Earth and field are; without it there are none
   /// @throws std::invalid_argument for two of a kind, or parameters that cannot be
   Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler = false, double dt = 0,
-          Mask wheels = Mask::all(max_actuators));
+          Mask wheels = Mask::all(max_actuators), std::optional<Orbit> orbit = {});
 
   /// To be called once a sample, in order: delays count calls, and a bias that walks adds up. Until a delay has filled, the first
   /// values are given.
@@ -223,14 +272,20 @@ class Sensors {
   void take(const Sensor& sensor);
   bool take_fault(const Sensor& sensor);
   void check() const;
+  void check_sky() const;
   Quat<double> tracked(Tick tick, const Exposure& now);
+  bool dazzled(double t, const Quat<double>& q_NB) const;
+  void see_sky(Measurement<double>& y, const Quat<double>& q_NB);
   void apply_faults(double t, Vec3<double>& rate);
 
   Gyro gyro_;
   AttitudeSensor attitude_;
   StarTracker tracker_;
+  SunSensor sun_sensor_;
+  Magnetometer magnetometer_;
   Tachometer tachometer_;
-  bool has_tracker_ = false;
+  bool has_tracker_ = false, has_sun_sensor_ = false, has_magnetometer_ = false;
+  std::optional<Orbit> orbit_;
   std::uint64_t seed_, run_;
   bool euler_;
   double dt_;
@@ -247,7 +302,8 @@ class Sensors {
   bool never_silent_ = true;                        ///< every sensor has something new at every sample
   bool rate_fresh_ = true, rate_clipped_ = false, attitude_fresh_ = true;
   Vec3<double> shown_ = Vec3<double>::Zero();  ///< rad/s, by the rate sensor at the sample before
-  Measurement<double> last_;                   ///< at the sample before, where something drops out
+  Vec3<double> sun_shown_B_ = Vec3<double>::Zero(), field_shown_B_ = Vec3<double>::Zero();  ///< likewise; T
+  Measurement<double> last_;  ///< at the sample before, where something drops out
   DelayLine<Vec3<double>> rates_{0};
   DelayLine<Quat<double>> attitudes_{0};
   DelayLine<Exposure> exposures_{0};

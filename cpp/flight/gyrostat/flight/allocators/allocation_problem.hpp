@@ -60,7 +60,7 @@ struct AllocationProblem {
   S residual_weight =
       S(1e4);       ///< gamma (weighted_least_squares), h (robust_socp); unit of effort_weight / (row weight D)^2
   S margin = S(0);  ///< N m (row-weighted), paper_constant only
-  std::array<std::uint8_t, M>
+  std::array<std::uint8_t, std::size_t(M)>
       priority{};  ///< rows of a smaller number are served first (lexicographic); equal: together
   /// Less than this is treated as failed: the closest torque would saturate such an actuator for nothing.
   S effectiveness_min = sizeof(S) < 8 ? S(1e-2) : S(1e-3);

@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "gyrostat/flight/allocators/allocation_problem.hpp"
+#include "gyrostat/flight/allocators/branch_free.hpp"
 #include "gyrostat/flight/allocators/closest_torque.hpp"
 #include "gyrostat/flight/allocators/primal_polish.hpp"
 #include "gyrostat/flight/allocators/robust_torque.hpp"
@@ -93,7 +94,7 @@ class AllocationSolver {
     if (p.lo.size() != n || p.up.size() != n) return false;
     constexpr S infinity = std::numeric_limits<S>::infinity();
     bool good = true;
-    for (Eigen::Index i = 0; i < n; ++i) good &= (p.lo[i] <= p.up[i]) & (p.lo[i] < infinity) & (p.up[i] > -infinity);
+    for (Eigen::Index i = 0; i < n; ++i) good &= every(p.lo[i] <= p.up[i], p.lo[i]<infinity, p.up[i]> - infinity);
     return good;
   }
 
@@ -105,10 +106,10 @@ class AllocationSolver {
     constexpr S infinity = std::numeric_limits<S>::infinity();
     bool good = p.residual_weight > S(0) && p.residual_weight < infinity && p.margin >= S(0) && p.margin < infinity &&
                 p.effectiveness_min >= S(0) && p.max_newton > 0;
-    for (Eigen::Index i = 0; i < n; ++i) {  // & instead of &&: no branches
-      good &= (p.effectiveness[i] >= S(0)) & (p.effectiveness[i] < infinity) & (p.bound[i] >= S(0));
-      good &= (p.effort_weight[i] > S(0)) & (p.effort_weight[i] < infinity) & (p.bound[i] < infinity);
-      good &= std::abs(p.preferred[i]) < infinity;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      good &= every(p.effectiveness[i] >= S(0), p.effectiveness[i] < infinity, p.bound[i] >= S(0),
+                    p.bound[i]<infinity, p.effort_weight[i]> S(0), p.effort_weight[i] < infinity,
+                    std::abs(p.preferred[i]) < infinity);
     }
     for (int r = 0; r < M; ++r) good &= std::abs(p.demand[r]) < infinity;
     return good;
@@ -211,7 +212,7 @@ class AllocationSolver {
     if (!p.try_unlimited) return false;
     bool inside = true;
     for (Eigen::Index i = 0; i < state.command.size() && i < p.lo.size(); ++i)
-      inside &= ((state.command[i] > p.lo[i]) & (state.command[i] < p.up[i])) | (p.lo[i] == p.up[i]);
+      inside &= some(every(state.command[i] > p.lo[i], state.command[i] < p.up[i]), p.lo[i] == p.up[i]);
     return inside;
   }
 
@@ -223,7 +224,7 @@ class AllocationSolver {
       out.outer = closest.rounds + 1;
       return closest;
     }
-    const std::array<Torque, N> a = kernel_.a;
+    const std::array<Torque, std::size_t(N)> a = kernel_.a;
     const Torque b = kernel_.b;
     Closest closest;
     Eigen::Matrix<S, M, M> settled = Eigen::Matrix<S, M, M>::Zero();
@@ -338,7 +339,7 @@ class AllocationSolver {
   /// A solve in the eigenvectors of Sb: there R is diagonal, and its small element is not lost beside the large ones.
   S along_axes(auto&& solve, const Torque& start) noexcept {
     const auto& axes = spread_.axes;
-    const std::array<Torque, N> a = kernel_.a;
+    const std::array<Torque, std::size_t(N)> a = kernel_.a;
     const Torque b = kernel_.b;
     for (int i = 0; i < kernel_.n; ++i) kernel_.a[size_t(i)] = axes.transpose() * a[size_t(i)];
     kernel_.b = axes.transpose() * b;
@@ -371,13 +372,13 @@ class AllocationSolver {
     return p.mode == AllocationMode::lexicographic || p.mode == AllocationMode::lexicographic_scaled;
   }
 
-  Torque residual(const std::array<S, N>& tau) const noexcept {
+  Torque residual(const std::array<S, std::size_t(N)>& tau) const noexcept {
     Torque r = kernel_.b;
     for (int i = 0; i < kernel_.n; ++i) r -= tau[size_t(i)] * kernel_.a[size_t(i)];
     return r;
   }
 
-  S objective(const std::array<S, N>& tau, const Torque& r) const noexcept {
+  S objective(const std::array<S, std::size_t(N)>& tau, const Torque& r) const noexcept {
     S sum = residual_weight_ * r.squaredNorm();
     for (int i = 0; i < kernel_.n; ++i) {
       const S off = tau[size_t(i)] - kernel_.preferred[size_t(i)];
@@ -401,7 +402,7 @@ class AllocationSolver {
       const S t = std::min(std::max(command_[k] * torque_, p.lo[i]), p.up[i]);
       const S delivered = effectiveness_[k] * t, off = (t - p.preferred[i]) * per_torque;
       out.command[i] = t;
-      out.saturated |= static_cast<std::uint32_t>((t != S(0)) & ((t <= p.lo[i]) | (t >= p.up[i]))) << i;
+      out.saturated |= static_cast<std::uint32_t>(every(t != S(0), some(t <= p.lo[i], t >= p.up[i]))) << i;
       out.achieved += delivered * D_.col(i);
       uncertain += (p.bound[i] * delivered) * (p.bound[i] * delivered);
       effort += weight_[k] * off * off;
@@ -522,13 +523,13 @@ class AllocationSolver {
 
   Geometry D_{M, 0}, WD_{M, 0};
   Torque W_ = Torque::Ones();
-  std::array<S, N> column_size_{};  // largest element of each column of W D
+  std::array<S, std::size_t(N)> column_size_{};  // largest element of each column of W D
   TorqueSpread<S, M> spread_;
   std::uint32_t active_ = 0;  // actuators in spread_
   bool spread_known_ = false;
   // Of the solve under way; nothing here is read by the next one.
   DualNewton<S, M, N> kernel_;
-  std::array<S, N> effectiveness_, weight_, command_;
+  std::array<S, std::size_t(N)> effectiveness_, weight_, command_;
   bool polished_ = false;  // command_ is not quite the kernel's
   Torque y_;
   S geometry_ = S(1), torque_ = S(1), effort_ = S(1), size_ = S(1), residual_weight_ = S(1);

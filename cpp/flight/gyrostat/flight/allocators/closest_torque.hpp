@@ -31,7 +31,7 @@ template <class S, int M, int N>
 struct ClosestTorque {
   using Torque = Eigen::Matrix<S, M, 1>;
 
-  std::array<S, N> tau;
+  std::array<S, std::size_t(N)> tau;
   Torque y = Torque::Zero();
   bool attained = false;
   bool capped = false;

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "gyrostat/flight/allocators/branch_free.hpp"
 #include "gyrostat/flight/allocators/ldl.hpp"
 #include "gyrostat/flight/allocators/orthogonal_factor.hpp"
 
@@ -40,8 +41,8 @@ class DualNewton {
 
   // The problem.
   int n = 0;
-  std::array<Torque, N> a;
-  std::array<S, N> preferred, compliance, lo, up;
+  std::array<Torque, std::size_t(N)> a;
+  std::array<S, std::size_t(N)> preferred, compliance, lo, up;
   Torque b;
   Matrix R;
   Torque centre;
@@ -100,7 +101,7 @@ class DualNewton {
       for (int r = 0; r < M; ++r) along += a[k][r] * p.y[r];
       const bool still = (fixed >> i & 1u) != 0u;
       const S z = still ? lo[k] : preferred[k] + along * compliance[k];
-      inside &= still | ((z > lo[k]) & (z < up[k]));
+      inside &= some(still, every(z > lo[k], z < up[k]));
       p.z[k] = z;
       p.F += z * a[k];
     }
@@ -131,9 +132,9 @@ class DualNewton {
  private:
   struct Point {
     Torque y, F;
-    Matrix J;                    // lower triangle
-    std::array<S, N> z;          // before clipping
-    std::uint32_t below, above;  // clip pattern
+    Matrix J;                         // lower triangle
+    std::array<S, std::size_t(N)> z;  // before clipping
+    std::uint32_t below, above;       // clip pattern
   };
   using size_t = std::size_t;
 
@@ -147,8 +148,8 @@ class DualNewton {
 
   void evaluate(const Torque& y, Point& p) const noexcept {
     const Torque off = y - centre;
-    std::array<S, M> F;
-    std::array<S, M*(M + 1) / 2> J;  // lower triangle, column by column
+    std::array<S, std::size_t(M)> F;
+    std::array<S, std::size_t(M * (M + 1) / 2)> J;  // lower triangle, column by column
     GYROSTAT_UNROLL
     for (int r = 0, at = 0; r < M; ++r) {
       F[size_t(r)] = -b[r];
@@ -230,8 +231,8 @@ class DualNewton {
   /// Where along d, inside (0, 1), the slope d'F changes sign: it is piecewise linear with at most 2 n corners, which are
   /// halved by trying one of those left until none is inside the bracket.
   S minimiser(const Point& from, const Point& to, const Torque& d) const noexcept {
-    std::array<S, N> reach;
-    std::array<S, 2 * N> corners;
+    std::array<S, std::size_t(N)> reach;
+    std::array<S, std::size_t(2 * N)> corners;
     int left = 0;
     const S linear = d.dot(R * (from.y - centre) - b), quadratic = d.dot(R * d);
     for (int i = 0; i < n; ++i) {

@@ -13,9 +13,9 @@ namespace gyrostat {
 
 template <class S, int M, int N>
 struct Polished {
-  std::array<S, N> tau;             ///< inside the box
-  Eigen::Matrix<S, M, 1> y;         ///< multiplier moved along, so that it still explains the unclipped actuators
-  Eigen::Matrix<S, M, 1> residual;  ///< b - A tau
+  std::array<S, std::size_t(N)> tau;  ///< inside the box
+  Eigen::Matrix<S, M, 1> y;           ///< multiplier moved along, so that it still explains the unclipped actuators
+  Eigen::Matrix<S, M, 1> residual;    ///< b - A tau
   Eigen::Matrix<S, M, 1>
       across;  ///< a direction in which no unclipped actuator acts: the residual's own, where rows are equal
 };
@@ -177,8 +177,8 @@ Polished<S, M, N> polish(const DualNewton<S, M, N>& k, S soft, unsigned held = 0
   using Torque = Eigen::Matrix<S, M, 1>;
   Polished<S, M, N> out;
   Torque owed = k.b;
-  Eigen::Matrix<S, N, M> rows;
-  std::array<S, N> root;
+  Eigen::Matrix<S, N, M> rows = Eigen::Matrix<S, N, M>::Zero();
+  std::array<S, std::size_t(N)> root;
   for (int i = 0; i < k.n; ++i) {
     const std::size_t j = std::size_t(i);
     out.tau[j] = k.tau(i);

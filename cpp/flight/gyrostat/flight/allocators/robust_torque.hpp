@@ -22,14 +22,14 @@ struct RobustTorque {
   using Matrix = Eigen::Matrix<S, M, M>;
 
   // The problem, in the scaled units of the kernel.
-  std::array<S, N> effort, preferred;
-  std::array<S, N> growth;         ///< h s_max^2 (bound_i e_i)^2; zero for a constant margin
-  Torque values = Torque::Ones();  ///< of Sb, whose eigenvectors are the axes of the problem
+  std::array<S, std::size_t(N)> effort, preferred;
+  std::array<S, std::size_t(N)> growth;  ///< h s_max^2 (bound_i e_i)^2; zero for a constant margin
+  Torque values = Torque::Ones();        ///< of Sb, whose eigenvectors are the axes of the problem
   S h = S(1);
   S margin = S(-1);  ///< constant spread; negative: it grows with tau
 
   // The answer, beside the kernel's multiplier.
-  std::array<S, N> tau;
+  std::array<S, std::size_t(N)> tau;
   int outer = 0;
   bool capped = false;
 
@@ -247,7 +247,7 @@ struct RobustTorque {
   /// Newton step of ln(theta |Sb^(1/2) y|) - ln(h spread) in logit(theta), and what the tolerance of F leaves open of it.
   Step newton(DualNewton<S, M, N>& k, const Split& split, const Torque& Sy, S ySy, S worst) const noexcept {
     const S theta = split.theta;
-    std::array<S, N> rate{};  // of tau_i with theta at fixed y
+    std::array<S, std::size_t(N)> rate{};  // of tau_i with theta at fixed y
     Torque dF = -Sy / h;
     for (int i = 0; i < k.n; ++i) {
       const std::size_t j = std::size_t(i);

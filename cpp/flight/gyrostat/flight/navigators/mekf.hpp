@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// @file  Multiplicative extended Kalman filter: attitude and gyro bias from a gyro and a star tracker that is slower and late.
+/// @file  Multiplicative extended Kalman filter: attitude and gyro bias from a gyro and a star tracker that is slower and late,
+///        and from directions to the sun and of the magnetic field.
 ///
 ///     q_true = q (x) quat_exp(a),  b_true = b + beta,   a' = -omega x a - beta - n_v,  beta' = n_u
-///     y_gyro = omega + b + noise,  q_tracker = q_true (x) quat_exp(C_SB' noise)
+///     y_gyro = omega + b + noise,  q_tracker = q_true (x) quat_exp(C_SB' noise),  b_seen = C_BN n + noise
 ///
 /// It is kinematic: no torque and no inertia stand in it, so that a fault torque is not taken for a bias. It lives `latency` samples
 /// ago, where the tracker's fix belongs, and is predicted to now by the gyro samples in between, which is exact for any latency.
@@ -11,11 +12,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/flight/chart.hpp"
 #include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/vector_attitude.hpp"
 
 namespace gyrostat {
 
@@ -30,6 +33,7 @@ class Mekf {
   static constexpr bool axiswise = false;
   static constexpr int max_latency = 64;  ///< samples
   using Covariance = Eigen::Matrix<S, 6, 6>;
+  enum class Acquisition : std::uint8_t { quest, triad };
 
   struct Params {
     S angle_random_walk = S(1e-5);
@@ -42,6 +46,9 @@ class Mekf {
     S gate = S(25);
     int recover = 5;
     S attitude0 = S(0);
+    S sun_noise = S(0);
+    S field_noise = S(0);
+    Acquisition acquisition = Acquisition::quest;
 
     explicit Params(const Setup<S>&) noexcept {}
 
@@ -61,7 +68,15 @@ class Mekf {
       field(p.recover, Field{"recover", "fixes", 1, 1000,
                              "rejected fixes in a row, agreeing with each other, that start it again"});
       field(p.attitude0,
-            Field{"attitude0", "rad", 0, 4, "one sigma of a coarse first attitude; 0: the tracker's noise"});
+            Field{"attitude0", "rad", 0, 4, "one sigma of a coarse first attitude; 0: the noise of what gave it"});
+      field(p.sun_noise,
+            Field{"sun_noise", "rad", 0, 1, "of the sun sensor, one sigma an axis; 0: the sun is not used"});
+      field(p.field_noise,
+            Field{"field_noise", "T", 0, 1e-3,
+                  "of the magnetometer, one sigma an axis, with what the model of the field lacks; 0: the "
+                  "field is not used"});
+      field(p.acquisition,
+            Choice{"acquisition", "quest|triad", "how sun and field make a first attitude where no tracker has"});
     }
   };
 
@@ -85,7 +100,7 @@ class Mekf {
     started_ = false;
     b_.setZero();
     P_.setZero();
-    rejected_in_a_row_ = 0;
+    rejected_in_a_row_ = vectors_rejected_in_a_row_ = 0;
     q_out_ = y.attitude_valid ? y.q_NB : Quat<S>::Identity();
     return filtered(y);
   }
@@ -102,6 +117,7 @@ class Mekf {
   const Vec3<S>& bias() const noexcept { return b_; }  ///< rad/s
   S nis() const noexcept { return nis_; }  ///< normalised innovation squared of the last fix that was judged
   Fix fix() const noexcept { return fix_; }
+  int vectors() const noexcept { return vectors_; }  ///< directions that were used at this sample
   /// Of (a, beta) as handed out now, rad and rad/s.
   Covariance covariance() const noexcept {
     if (!started_) return Covariance::Zero();
@@ -124,11 +140,15 @@ class Mekf {
     log("bias_sigma", Vec3<S>(P.diagonal().template tail<3>().cwiseSqrt()));
     log("nis", nis_);
     log("fix", static_cast<S>(fix_));
+    log("vectors", static_cast<S>(vectors_));
     log(Counter{"rejected"}, rejected_);
+    log(Counter{"vectors_rejected"}, vectors_rejected_);
     log(Counter{"restarts"}, restarts_);
   }
 
  private:
+  using Row = Eigen::Matrix<S, 6, 1>;
+
   /// A gyro sample; `missing` counts the samples since it was fresh.
   struct Rate {
     Vec3<S> omega = Vec3<S>::Zero();
@@ -196,10 +216,10 @@ class Mekf {
     const Vec3<S> b_before = b_;
     fix_ = started_ ? Fix::none : Fix::not_started;
     if (y.attitude_valid) listen(y.q_NB.normalized());
+    look(y);
     y.attitude_valid = started_;
     if (!started_) return y;
-    Quat<S> q = q_;
-    for (int age = delay_ - 1; age >= 0; --age) q = q * quat_exp(turned(at(age + 1), at(age)));
+    Quat<S> q = q_ * turn_to_now();
     q.normalize();
     if (q.dot(q_out_) < S(0)) q.coeffs() = -q.coeffs();
     q_out_ = y.q_NB = q;
@@ -216,14 +236,16 @@ class Mekf {
     }
     const Vec3<S> nu = quat_log(q_.conjugate() * q_measured);
     Covariance P = P_;
-    Eigen::Matrix<S, 6, 1> x = Eigen::Matrix<S, 6, 1>::Zero();
+    Row x = Row::Zero();
     nis_ = S(0);
-    for (int i = 0; i < 3; ++i) take_axis(i, nu, x, P);
+    for (int i = 0; i < 3; ++i) {
+      Row c = Row::Zero();
+      c.template head<3>() = C_SB_.row(i).transpose();
+      take(c, c.template head<3>().dot(nu), params_.attitude_noise[i] * params_.attitude_noise[i], x, P, nis_);
+    }
     if (nis_ <= params_.gate) {
-      P_ = P;
-      q_ = (q_ * quat_exp(Vec3<S>(x.template head<3>()))).normalized();
-      b_ += x.template tail<3>();
-      rejected_in_a_row_ = 0;
+      correct(x, P);
+      rejected_in_a_row_ = vectors_rejected_in_a_row_ = 0;
       fix_ = Fix::used;
       return;
     }
@@ -232,21 +254,110 @@ class Mekf {
     doubt(nu, q_measured);
   }
 
-  /// One axis of the tracker, a scalar update in Joseph's form. The attitude's reset needs no Jacobian: the tracker's noise is given in
-  /// the axes after it.
-  void take_axis(int i, const Vec3<S>& nu, Eigen::Matrix<S, 6, 1>& x, Covariance& P) noexcept {
-    const Vec3<S> c = C_SB_.row(i).transpose();
-    const Eigen::Matrix<S, 6, 1> p = P.template leftCols<3>() * c;
-    const S r = params_.attitude_noise[i] * params_.attitude_noise[i];
-    const S variance = c.dot(p.template head<3>()) + r;
-    const Eigen::Matrix<S, 6, 1> K = p / variance;
-    const S e = c.dot(nu) - c.dot(x.template head<3>());
-    nis_ += e * e / variance;
+  /// A scalar update in Joseph's form: `measured` = c . (a, beta) + noise of variance r. The attitude's reset needs no Jacobian: the
+  /// tracker's noise is given in the axes after it.
+  static void take(const Row& c, S measured, S r, Row& x, Covariance& P, S& nis) noexcept {
+    const Row p = P * c;
+    const S variance = c.dot(p) + r;
+    const Row K = p / variance;
+    const S e = measured - c.dot(x);
+    nis += e * e / variance;
     x += K * e;
     P -= K * p.transpose();
-    const Eigen::Matrix<S, 6, 1> left = P.template leftCols<3>() * c;
+    const Row left = P * c;
     P += r * K * K.transpose() - left * K.transpose();
     P = (S(0.5) * (P + P.transpose())).eval();
+  }
+
+  void correct(const Row& x, const Covariance& P) noexcept {
+    P_ = P;
+    q_ = (q_ * quat_exp(Vec3<S>(x.template head<3>()))).normalized();
+    b_ += x.template tail<3>();
+  }
+
+  /// Rotation from where the filter lives to now.
+  Quat<S> turn_to_now() const noexcept {
+    Quat<S> turn = Quat<S>::Identity();
+    for (int age = delay_ - 1; age >= 0; --age) turn = turn * quat_exp(turned(at(age + 1), at(age)));
+    return turn;
+  }
+
+  /// Sun and field of this sample, the less noisy first.
+  void look(const Measurement<S>& y) noexcept {
+    vectors_ = 0;
+    std::array<Sighting<S>, 2> seen;
+    std::size_t count = 0;
+    const auto add = [&](bool valid, const Vec3<S>& seen_B, const Vec3<S>& known_N, S sigma) {
+      if (!valid || !(sigma > S(0)) || !(seen_B.norm() > S(0)) || !(known_N.norm() > S(0))) return;
+      seen[count++] = {seen_B.normalized(), known_N.normalized(), sigma};
+    };
+    add(y.sun_valid, y.sun_B, y.sun_N, params_.sun_noise);
+    const S field = y.field_N.norm();
+    add(y.field_valid, y.field_B, y.field_N, field > S(0) ? params_.field_noise / field : S(0));
+    if (count == 2 && seen[1].sigma < seen[0].sigma) std::swap(seen[0], seen[1]);
+    const bool both = count == 2 && name_an_attitude(seen[0], seen[1]);
+    if (!started_) {
+      if (both) acquire(seen, Vec3<S>::Zero(), Fix::first);
+      return;
+    }
+    if (fix_ == Fix::first || fix_ == Fix::restarted) return;
+    for (std::size_t i = 0; i < count; ++i) sight(seen[i]);
+    if (!both || vectors_rejected_in_a_row_ < params_.recover) return;
+    acquire(seen, b_, Fix::restarted);
+    ++restarts_;
+  }
+
+  /// A first attitude from two directions of now, carried back to where the filter lives.
+  void acquire(const std::array<Sighting<S>, 2>& seen, const Vec3<S>& bias, Fix how) noexcept {
+    const bool best = params_.acquisition == Acquisition::quest;
+    const Quat<S> q_now = best ? quest(seen) : triad(seen[0], seen[1]);
+    Mat3<S> P_now = best ? quest_covariance(seen) : triad_covariance(seen[0], seen[1]);
+    if (params_.attitude0 > S(0)) P_now = params_.attitude0 * params_.attitude0 * Mat3<S>::Identity();
+    b_ = bias;
+    const Quat<S> turn = turn_to_now();
+    const Motion m = motion(turn);
+    const S v = params_.bias0 * params_.bias0;
+    begin((q_now * turn.conjugate()).normalized());
+    b_ = bias;
+    const Mat3<S> back = m.F.transpose(), mixed = -v * back * m.G;
+    P_.template topLeftCorner<3, 3>() = back * (P_now + v * m.G * m.G.transpose()) * m.F;
+    P_.template topRightCorner<3, 3>() = mixed;
+    P_.template bottomLeftCorner<3, 3>() = mixed.transpose();
+    fix_ = how;
+    vectors_ = 2;
+  }
+
+  /// How an error at the filter's time shows now: F a + G beta.
+  struct Motion {
+    Mat3<S> F = Mat3<S>::Identity(), G = Mat3<S>::Zero();
+  };
+  Motion motion(const Quat<S>& turn) const noexcept {
+    if (delay_ == 0) return {};
+    return {dcm(turn), -static_cast<S>(delay_) * h_ * right_jacobian(quat_log(turn))};
+  }
+
+  /// A direction as three scalar updates: seen - C n = (C n) x a + noise. That the gyro's noise since the filter's time is in it and
+  /// comes once more with the next samples is neglected: it is far below that of a sensor of directions.
+  void sight(const Sighting<S>& s) noexcept {
+    const Quat<S> turn = turn_to_now();
+    const Motion m = motion(turn);
+    const Vec3<S> expected = dcm(Quat<S>(q_ * turn)) * s.known_N, nu = s.seen_B - expected;
+    const Mat3<S> X = cross_matrix(expected);
+    Eigen::Matrix<S, 3, 6> H;
+    H << X * m.F, X * m.G;
+    const S drift = params_.angle_random_walk * params_.angle_random_walk * static_cast<S>(delay_) * h_;
+    Covariance P = P_;
+    Row x = Row::Zero();
+    S nis = S(0);
+    for (int i = 0; i < 3; ++i) take(H.row(i).transpose(), nu[i], s.sigma * s.sigma + drift, x, P, nis);
+    if (nis <= params_.gate) {
+      correct(x, P);
+      ++vectors_;
+      vectors_rejected_in_a_row_ = 0;
+      return;
+    }
+    ++vectors_rejected_;
+    ++vectors_rejected_in_a_row_;
   }
 
   /// A rejected fix; as many as `recover` in a row that agree with each other are right, and the filter is not.
@@ -277,7 +388,7 @@ class Mekf {
     if (!(params_.attitude0 > S(0))) R = C_SB_.transpose() * params_.attitude_noise.cwiseAbs2().asDiagonal() * C_SB_;
     P_.template topLeftCorner<3, 3>() = R;
     P_.template bottomRightCorner<3, 3>().diagonal().setConstant(params_.bias0 * params_.bias0);
-    rejected_in_a_row_ = 0;
+    rejected_in_a_row_ = vectors_rejected_in_a_row_ = 0;
     started_ = true;
   }
 
@@ -297,8 +408,9 @@ class Mekf {
   Fix fix_ = Fix::not_started;
   Vec3<S> doubted_ = Vec3<S>::Zero();  ///< rad, innovation of the last rejected fix, turned with the body
   S doubt_age_ = S(0);                 ///< s
-  int rejected_in_a_row_ = 0;
-  std::uint32_t rejected_ = 0, restarts_ = 0;
+  int rejected_in_a_row_ = 0, vectors_rejected_in_a_row_ = 0;
+  int vectors_ = 0;
+  std::uint32_t rejected_ = 0, vectors_rejected_ = 0, restarts_ = 0;
 };
 
 }  // namespace gyrostat

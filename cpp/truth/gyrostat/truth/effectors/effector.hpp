@@ -30,6 +30,11 @@ struct Scene {
   double t;
   Quat<double> q_NB;
   Vec3<double> omega_BN_B;
+  Vec3<double> field_B = Vec3<double>::Zero();  ///< T, where magnetorquers fly
+  Vec3<double> drift_B = Vec3<double>::Zero();  ///< T/s, how it changes in N, seen in body axes
+
+  /// T/s, in the body.
+  Vec3<double> field_rate_B() const noexcept { return drift_B - omega_BN_B.cross(field_B); }
 };
 
 namespace detail {

@@ -40,7 +40,7 @@ struct FlexibleMode {
     ydot[1] = -omega * (2 * xi * ydot[0] + omega * y[0]);
   }
   /// What is seen of its states.
-  void show(const Scene& s, const double* y, auto& state) const {
+  void show(const Scene& s, double, const double* y, auto& state) const {
     const Eigen::Index mode = state.eta.size();
     state.eta.conservativeResize(mode + 1);
     state.eta_rate.conservativeResize(mode + 1);

@@ -10,12 +10,13 @@
 #include "gyrostat/truth/faults/leak.hpp"
 #include "gyrostat/truth/faults/lock.hpp"
 #include "gyrostat/truth/faults/loss_of_effectiveness.hpp"
+#include "gyrostat/truth/faults/rotor_slow_down.hpp"
 #include "gyrostat/truth/faults/slow_valve.hpp"
 #include "gyrostat/truth/faults/stuck.hpp"
 
 namespace gyrostat::truth {
 
 using Fault = FaultList<LossOfEffectiveness, Bias, StuckOutput, HardOver, Dead, Lock, Drift, Intermittent, DeadZone,
-                        Leak, SlowValve>;
+                        Leak, SlowValve, RotorSlowDown>;
 
 }  // namespace gyrostat::truth

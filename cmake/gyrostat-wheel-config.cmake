@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: MIT
+# find_package(gyrostat) for who installed the Python package: the headers of core and flight.
+#   cmake -Dgyrostat_DIR=$(gyrostat config --cmake) ...
+include(CMakeFindDependencyMacro)
+find_dependency(Eigen3 3.4 NO_MODULE)
+foreach(_component IN LISTS gyrostat_FIND_COMPONENTS)
+  if(_component MATCHES "^(core|flight)$")
+    set(gyrostat_${_component}_FOUND TRUE)
+  else()
+    set(gyrostat_${_component}_FOUND FALSE)
+    if(gyrostat_FIND_REQUIRED_${_component})
+      set(gyrostat_FOUND FALSE)
+      set(gyrostat_NOT_FOUND_MESSAGE "the Python package brings core and flight; '${_component}' takes an installation from source")
+    endif()
+  endif()
+endforeach()
+if(NOT TARGET gyrostat::core)
+  get_filename_component(_include "${CMAKE_CURRENT_LIST_DIR}/../include" ABSOLUTE)
+  add_library(gyrostat::core INTERFACE IMPORTED)
+  target_include_directories(gyrostat::core INTERFACE "${_include}")
+  target_compile_definitions(gyrostat::core INTERFACE EIGEN_MAX_ALIGN_BYTES=16)  # as cpp/core/CMakeLists.txt
+  target_compile_features(gyrostat::core INTERFACE cxx_std_20)
+  target_link_libraries(gyrostat::core INTERFACE Eigen3::Eigen)
+  add_library(gyrostat::flight INTERFACE IMPORTED)
+  target_link_libraries(gyrostat::flight INTERFACE gyrostat::core)
+  unset(_include)
+endif()
