@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
+import io
 import json
 import warnings
 import zipfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gyrostat import columns
 from gyrostat.errors import InputError
 from gyrostat.files import replacing
 from gyrostat.text import printable
@@ -174,8 +177,7 @@ class Figure:
         beside = target.with_suffix(".npz")
         if not _holds_figure(beside):
             raise InputError(f"{path}: {beside.name} is there and is no figure's data; choose another name")
-        with replacing(target) as picture, replacing(beside) as data, warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)  # it is drawn as a box
+        with replacing(target) as picture, replacing(beside) as data, _quiet():
             self.canvas.savefig(picture, dpi=130, metadata={"Date": None} if target.suffix == ".svg" else None)
             self._write_data(data)
         return target
@@ -196,6 +198,13 @@ class Figure:
     def _write_data(self, path: Path) -> None:
         np.savez_compressed(path, units=np.array(json.dumps(self.units)), **self.data)  # type: ignore[arg-type]
 
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows."""
+        picture = io.BytesIO()
+        with _quiet():
+            self.canvas.savefig(picture, format="png", dpi=100)
+        return picture.getvalue()
+
     def _remember(self, name: str, t: NDArray[np.float64], x: NDArray[np.float64], unit: str) -> None:
         """Keep the full signal; equal instants are kept once."""
         key = name.replace("/", " per ")
@@ -209,6 +218,14 @@ class Figure:
         self.data.setdefault(clock, t)
         self.data[key] = x
         self.units |= {key: unit, clock: self._unit}
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without warnings of letters that the font has not: they are drawn as a box."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)
+        yield
 
 
 def _holds_figure(path: Path) -> bool:
@@ -254,8 +271,7 @@ def overview(result: Result) -> Figure:
         ("truth.effectiveness", "effectiveness", "", (), False),
     ]
     shown = [p for p in panels if p[0] in result.channels]
-    name = str(result.description.get("name") or result.description.get("description") or "run")
-    figure = Figure(_plain(name), rows=max(len(shown), 1))
+    figure = Figure(_title(result), rows=max(len(shown), 1))
     for row, (channel, title, unit, labels, log) in enumerate(shown):
         x = np.degrees(result[channel]) if unit == "deg" else result[channel]
         columns = labels or tuple(f"actuator {i}" for i in range(x.shape[1] if x.ndim > 1 else 1))
@@ -266,3 +282,20 @@ def overview(result: Result) -> Figure:
         figure.line(len(shown) - 1, result.t, estimate, "estimate", labels=labels, style="--")
     figure.mark(fault_marks(result))
     return figure
+
+
+def channels(result: Result, names: Sequence[str]) -> Figure:
+    """Channels of a run by name, a panel each; angles and angular rates as they are recorded, in radians."""
+    full = [result.full_name(name) for name in names]
+    figure = Figure(_title(result), rows=len(full))
+    for row, name in enumerate(full):
+        x, dimension = result[name], str(result.meta.get(name, {}).get("dimension", ""))
+        named = [str(label) for label in columns.labels(dimension, x.shape[1])] if x.ndim > 1 else []
+        prefix = "actuator " if dimension == "actuator" else ""
+        figure.line(row, result.t, x, name, result.unit(name), labels=[prefix + label for label in named])
+    figure.mark(fault_marks(result))
+    return figure
+
+
+def _title(result: Result) -> str:
+    return _plain(str(result.description.get("name") or result.description.get("description") or "run"))
