@@ -276,7 +276,7 @@ def test_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "toml")], ids=name)
 def test_toml_examples_are_valid(page: Path) -> None:
-    """A whole scenario and a campaign stand alone; a part is put into the reference scenario, or a shipped one that fits."""
+    """A whole scenario and a campaign stand alone; a part is put into the reference scenario, or a shipped one."""
     for text in blocks(page, "toml"):
         tables = tomllib.loads(text)
         if "base" in tables:
