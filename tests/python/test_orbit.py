@@ -295,3 +295,53 @@ def test_experiments_vary_the_orbit_and_the_gain() -> None:
     for i, row in enumerate(values):
         alone = base.replace(**dict(zip(vary, row, strict=True)), run_number=i)
         assert flights["energy"][i] == alone.run(channels=["allocation.u", "error.angle"]).metrics.energy
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_torquers_lose_no_vehicle_that_wheels_alone_hold(seed: int) -> None:
+    """Four wheels and three torquers under any stack and any faults, against the same with the wheels alone.
+
+    A torquer that is hard over, unseen, leaves laws without an estimate of the torque some degrees off.
+    """
+    rng = np.random.default_rng(seed)
+    kinds, most = _core.catalogue(), np.array([0.02] * 4 + [10.0] * 3)
+    parts = {role: str(rng.choice(kinds[role])) for role in ("observer", "detector", "controller", "allocator")}
+    if parts["controller"] == "open_loop":
+        parts["controller"] = "predefined_time"
+    made = {
+        "bias": lambda m: {"torque": 0.2 * m},
+        "stuck": lambda m: {"torque": 0.2 * m},
+        "drift": lambda m: {"rate": 3e-4 * m},
+        "dead_zone": lambda m: {"width": 0.1 * m},
+        "hard_over": lambda _: {"sign": -1},
+        "intermittent": lambda _: {"period": 17.0, "duty": 0.5},
+    }
+    faults = []
+    for actuator in (int(rng.integers(4)), int(rng.integers(4, 7))):
+        kind = str(rng.choice([f for f in kinds["fault"] if actuator > 3 or f != "hard_over"]))
+        own = made.get(kind, lambda _: {})(most[actuator])
+        faults.append({"type": kind, "actuator": actuator, "t_on": float(rng.uniform(5.0, 200.0)), **own})
+    wheels = gs.vehicle.pyramid4(J_B=(1.3, 1.0, 0.8), u_max=0.02, wheel_inertia=3e-4)
+    alone = gs.Scenario(
+        vehicle=wheels,
+        faults=[gs.Component.of(f["type"], {k: v for k, v in f.items() if k != "type"}) for f in faults[:1]],
+        initial={"mrp": (0.2 * rng.normal(size=3)).tolist(), "omega_BN_B": (0.005 * rng.normal(size=3)).tolist()},
+        integrator="rk4",
+        duration=600.0,
+        dt=0.5,
+        **parts,
+    )
+    both = alone.replace(
+        **{
+            "vehicle.D_B": np.hstack([np.asarray(wheels.D_B), np.eye(3)]).tolist(),
+            "vehicle.u_max": most.tolist(),
+            "vehicle.wheel_inertia": [3e-4] * 4 + [0.0] * 3,
+            "vehicle.magnetorquers": [4, 5, 6],
+            "orbit": ORBIT.to_dict(),
+            "desaturation": {"gain": float(rng.choice([2.0, 10.0]))},
+            "faults": faults,
+            "disturbances": [{"type": "gravity_gradient"}, {"type": "residual_dipole", "dipole_B": [0.1, 0.0, 0.0]}],
+        }
+    )
+    error = [np.rad2deg(s.run(channels=["error.angle"])["error.angle"][-100:].max()) for s in (alone, both)]
+    assert error[1] < 5.0 or error[0] > 1.0, (parts, faults, error)
