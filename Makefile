@@ -17,8 +17,8 @@ CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.
 PACKAGE := CMakeLists.txt pyproject.toml docs/package.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp headers asan asan-python python lint bench wheel release-check matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
-        debian-make-test debian-bench debian-embedded debian-fuzz
+.PHONY: help run test cpp docs docs-serve headers asan asan-python python lint bench wheel release-check matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
+        debian-make-test debian-bench debian-embedded debian-fuzz debian-docs
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -67,6 +67,15 @@ bench: debian-bench  ## benchmarks; each prints its table
 	@$(STEP) build-bench cmake --build --preset bench
 	@for b in build/bench/benchmarks/bench_*; do [ -x $$b ] && [ -f $$b ] && echo "== $${b##*/}" && $$b; done
 
+docs: debian-docs $(VENV)/docs.stamp  ## the documentation as a site, build/site/index.html; warns about nothing
+	@$(STEP) docs-prepare $(BIN)/python scripts/site/prepare.py build
+	@$(STEP) docs-site env -C build ../$(BIN)/zensical build --strict -f mkdocs.yml
+	@$(STEP) docs-check $(BIN)/python scripts/site/check.py build/site
+	@echo "build/site/index.html"
+
+docs-serve: docs  ## the same, served while one reads it
+	@$(BIN)/python -m http.server --directory build/site --bind 127.0.0.1 8000
+
 fuzz: debian-fuzz  ## a minute of coverage-guided fuzzing of every stack, under the sanitizers; FUZZ_SECONDS=600 for longer
 	@$(STEP) configure-fuzz cmake --preset fuzz
 	@$(STEP) build-fuzz cmake --build --preset fuzz
@@ -114,6 +123,9 @@ debian-make-test:  # all of `make test` at once: an administrator is asked once
 debian-fuzz:
 	@scripts/debian_packages $(FOR_RUN) clang libclang-rt-dev libomp-dev
 
+debian-docs:
+	@scripts/debian_packages doxygen
+
 debian-embedded:
 	@scripts/debian_packages $(FOR_RUN) $(FOR_EMBEDDED)
 
@@ -129,6 +141,10 @@ $(VENV)/venv.stamp: pyproject.toml | debian-run
 
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(PACKAGE) | debian-run
 	@CXX=$${CXX:-c++} CMAKE_EXECUTABLE=$$(command -v cmake) $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation .
+	@touch $@
+
+$(VENV)/docs.stamp: $(VENV)/venv.stamp
+	@$(STEP) install-docs-tools scripts/install_requirements $(BIN) project.optional-dependencies.docs
 	@touch $@
 
 $(VENV)/wheel.stamp: $(VENV)/venv.stamp

@@ -1,8 +1,30 @@
 # SPDX-License-Identifier: MIT
 """gyrostat: fault-tolerant spacecraft attitude control.
 
-Describe a closed loop (`Scenario`), fly it (`Scenario.run`), look at what happened (`Result`). Components are named in
-a catalogue (``gyrostat list``); SI units and radians everywhere, quaternions scalar first, actuators counted from 0.
+Describe a closed loop (`Scenario`), fly it (`Scenario.run`), look at what happened (`Result`)::
+
+    import gyrostat as gs
+
+    scenario = gs.scenarios["wheel2_degraded"]  # a shipped one; Scenario.load reads files too
+    result = scenario.replace(**{"faults.0.remaining": 0.2}).run()
+    result["truth.omega_BN_B"]  # channels by name, time first
+    result.metrics.settling_time  # numbers that sum up the run
+    result.plot("error.angle", "allocation.u")  # figures; result.show() re-plays the run in the browser
+    result.to_dataframe()  # also to_xarray, to_parquet, to_csv, save
+
+A scenario is made of
+
+- a vehicle: `Vehicle`, or a ready-made one of `vehicle`; `Truth`, `Flexible`, `Initial` for what really flies;
+- a flight stack of components by name: `navigator`, `observer`, `detector`, `controller`, `allocator`, or all of
+  `recommended`; any Python object with ``step`` is one too (`protocols`);
+- what happens: `faults`, `disturbances`, `sensors`, `references`, with `waveforms` in them; `integrators`.
+
+Beside single runs: `Experiment` (many, on arrays), `Campaign` (drawn at random, on all cores), `verify`, `rare`,
+`worst`, `tune`, `survive`, `comparison`; `allocation.solve` and `allocation.attainable_set` for torques alone; `design`
+for gains; `papers` for published studies.
+
+SI units and radians everywhere, quaternions scalar first, actuators counted from 0. What can be wrong with an input is
+one line of an `InputError`. Components and their parameters: ``gyrostat list``, ``gyrostat describe``.
 """
 
 from __future__ import annotations
@@ -50,6 +72,7 @@ if TYPE_CHECKING:
     from gyrostat.experiment import Experiment, Flights
     from gyrostat.results import Event, Result
     from gyrostat.scenario import Record, Scenario, Shadow
+    from gyrostat.shelf import scenarios
     from gyrostat.stacks import recommended
     from gyrostat.survival import survive
     from gyrostat.vehicle import ControlMomentGyros, Desaturation, Flexible, Initial, Orbit, Thrusters, Truth, Vehicle
@@ -110,6 +133,7 @@ __all__ = [
     "recommended",
     "reference",
     "references",
+    "scenarios",
     "sensors",
     "survive",
     "tune",
@@ -137,6 +161,7 @@ _homes = {
     "experiment": ["Experiment", "Flights"],
     "results": ["Event", "Result"],
     "scenario": ["Record", "Scenario", "Shadow"],
+    "shelf": ["scenarios"],
     "survival": ["survive"],
     "stacks": ["recommended"],
     "vehicle": ["ControlMomentGyros", "Desaturation", "Flexible", "Initial", "Orbit", "Thrusters", "Truth", "Vehicle"],

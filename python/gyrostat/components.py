@@ -53,6 +53,11 @@ class Component:
         """``{"type": ..., parameter: value, ...}`` of plain numbers, texts, lists and dictionaries."""
         return {"type": self.type, **{k: thaw(v) for k, v in self.items}}
 
+    def _repr_html_(self) -> str:
+        from gyrostat import notebook
+
+        return notebook.component(self)
+
     def __repr__(self) -> str:
         return f"Component({', '.join([repr(self.type), *(f'{k}={v!r}' for k, v in self.items)])})"
 

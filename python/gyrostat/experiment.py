@@ -93,7 +93,7 @@ class Flights:
 
     def to_dataframe(self) -> Any:
         """A pandas table, one row a flight: number, values, status, end time, metrics."""
-        import pandas as pd  # type: ignore[import-untyped]
+        import pandas as pd
 
         table: dict[str, Any] = {"number": self.number}
         table |= {name: self.values[:, i] for i, name in enumerate(self.columns)}

@@ -101,6 +101,11 @@ class Metrics:
         """All of them by name; None where a channel was not recorded or the value is not finite."""
         return {name: self._value(name) for name in UNITS}
 
+    def _repr_html_(self) -> str:
+        from gyrostat import notebook
+
+        return notebook.metrics(self)
+
     def __repr__(self) -> str:
         return "\n".join(f"{name:24} {value}" for name, value in self.to_dict().items())
 

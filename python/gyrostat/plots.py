@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
+import io
 import json
 import warnings
 import zipfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gyrostat import columns
 from gyrostat.errors import InputError
 from gyrostat.files import replacing
 from gyrostat.text import printable
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
     from gyrostat.results import Result
 
 COLORS = ("#0b6bcb", "#d9480f", "#2b8a3e", "#7048e8", "#c2255c", "#495057")
+NO_SIGNAL = "level"
+"""Of lines that are a limit or an instant."""
 _max_drawn = 4000
 """Points drawn a line; longer signals are drawn by the smallest and largest value of each stretch."""
 
@@ -63,6 +68,10 @@ class Figure:
         self.axes = self.canvas.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
         self.data: dict[str, NDArray[np.float64]] = {}
         self.units: dict[str, str] = {}
+        self.levels: list[tuple[int, float, str]] = []
+        """Panel, value and label of every horizontal line."""
+        self.marks: list[tuple[float, str]] = []
+        """Instants that are marked, with their labels."""
         self.canvas.suptitle(title, fontsize=11)
         self._clock, self._unit = ("t" if along == "time" else along), unit
         self.axes[-1].set_xlabel(f"{along} ({unit})" if unit else along)
@@ -123,7 +132,8 @@ class Figure:
     def level(self, row: int, value: float, label: str) -> None:
         """Draw a horizontal line: a limit, a published number."""
         axis = self.axes[row]
-        axis.axhline(value, color="#868e96", linewidth=0.9, linestyle="--")
+        self.levels.append((row, value, label))
+        axis.axhline(value, color="#868e96", linewidth=0.9, linestyle="--", gid=NO_SIGNAL)
         axis.annotate(
             label,
             (1.0, value),
@@ -137,8 +147,9 @@ class Figure:
     def mark(self, instants: Iterable[tuple[float, str]]) -> None:
         """Mark instants through all panels, with a label in the first."""
         for t, label in instants:
+            self.marks.append((t, label))
             for axis in self.axes:
-                axis.axvline(t, color="#e03131", linewidth=0.9, linestyle=":")
+                axis.axvline(t, color="#e03131", linewidth=0.9, linestyle=":", gid=NO_SIGNAL)
             self.axes[0].annotate(
                 label, (t, 1.0), xycoords=("data", "axes fraction"), fontsize=7, color="#e03131", ha="left", va="bottom"
             )
@@ -166,11 +177,33 @@ class Figure:
         beside = target.with_suffix(".npz")
         if not _holds_figure(beside):
             raise InputError(f"{path}: {beside.name} is there and is no figure's data; choose another name")
-        with replacing(target) as picture, replacing(beside) as data, warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)  # it is drawn as a box
+        with replacing(target) as picture, replacing(beside) as data, _quiet():
             self.canvas.savefig(picture, dpi=130, metadata={"Date": None} if target.suffix == ".svg" else None)
-            np.savez_compressed(data, units=np.array(json.dumps(self.units)), **self.data)  # type: ignore[arg-type]
+            self._write_data(data)
         return target
+
+    def save_data(self, path: Path) -> None:
+        """Write the data alone (``.npz``).
+
+        Raises
+        ------
+        InputError
+            A file that cannot be written, or that holds other data.
+        """
+        if not _holds_figure(path):
+            raise InputError(f"{path}: is there and is no figure's data; choose another folder")
+        with replacing(path) as data:
+            self._write_data(data)
+
+    def _write_data(self, path: Path) -> None:
+        np.savez_compressed(path, units=np.array(json.dumps(self.units)), **self.data)  # type: ignore[arg-type]
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows."""
+        picture = io.BytesIO()
+        with _quiet():
+            self.canvas.savefig(picture, format="png", dpi=100)
+        return picture.getvalue()
 
     def _remember(self, name: str, t: NDArray[np.float64], x: NDArray[np.float64], unit: str) -> None:
         """Keep the full signal; equal instants are kept once."""
@@ -185,6 +218,14 @@ class Figure:
         self.data.setdefault(clock, t)
         self.data[key] = x
         self.units |= {key: unit, clock: self._unit}
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without warnings of letters that the font has not: they are drawn as a box."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)
+        yield
 
 
 def _holds_figure(path: Path) -> bool:
@@ -230,8 +271,7 @@ def overview(result: Result) -> Figure:
         ("truth.effectiveness", "effectiveness", "", (), False),
     ]
     shown = [p for p in panels if p[0] in result.channels]
-    name = str(result.description.get("name") or result.description.get("description") or "run")
-    figure = Figure(_plain(name), rows=max(len(shown), 1))
+    figure = Figure(_title(result), rows=max(len(shown), 1))
     for row, (channel, title, unit, labels, log) in enumerate(shown):
         x = np.degrees(result[channel]) if unit == "deg" else result[channel]
         columns = labels or tuple(f"actuator {i}" for i in range(x.shape[1] if x.ndim > 1 else 1))
@@ -242,3 +282,20 @@ def overview(result: Result) -> Figure:
         figure.line(len(shown) - 1, result.t, estimate, "estimate", labels=labels, style="--")
     figure.mark(fault_marks(result))
     return figure
+
+
+def channels(result: Result, names: Sequence[str]) -> Figure:
+    """Channels of a run by name, a panel each; angles and angular rates as they are recorded, in radians."""
+    full = [result.full_name(name) for name in names]
+    figure = Figure(_title(result), rows=len(full))
+    for row, name in enumerate(full):
+        x, dimension = result[name], str(result.meta.get(name, {}).get("dimension", ""))
+        named = [str(label) for label in columns.labels(dimension, x.shape[1])] if x.ndim > 1 else []
+        prefix = "actuator " if dimension == "actuator" else ""
+        figure.line(row, result.t, x, name, result.unit(name), labels=[prefix + label for label in named])
+    figure.mark(fault_marks(result))
+    return figure
+
+
+def _title(result: Result) -> str:
+    return _plain(str(result.description.get("name") or result.description.get("description") or "run"))

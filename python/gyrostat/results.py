@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +18,7 @@ from gyrostat.files import file_errors, replacing
 from gyrostat.metrics import Metrics
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
 
     from gyrostat.plots import Figure
@@ -103,6 +104,15 @@ class Result:
         ended = "" if self.completed else f", {self.cause or self.status}"
         return f"<Result: {len(self)} samples to {self.end_time:g} s, {len(self.channels)} channels{ended}>"
 
+    def _repr_html_(self) -> str:
+        from gyrostat import notebook
+
+        return notebook.result(self)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """Full names, and the short ones that are in use."""
+        return [*self.channels, *sorted({full.partition(".")[2] for full in self.channels})]
+
     @property
     def completed(self) -> bool:
         """Whether the run reached its duration, and the stack flew."""
@@ -147,16 +157,18 @@ class Result:
         """
         import xarray
 
+        from gyrostat.columns import labels
+
         coordinates: dict[str, Any] = {"time": ("time", self.t, {"unit": "s"})}
         variables = {}
         for name, x in self.channels.items():
             meta = self.meta.get(name, {})
             dimensions = ["time"]
             if x.ndim > 1:
-                labels = _labels(str(meta.get("dimension", "")), x.shape[1])
-                dimensions.append(str(meta["dimension"]) if labels else f"{name}_i")
-                if labels:
-                    coordinates[dimensions[-1]] = labels
+                named = labels(str(meta.get("dimension", "")), x.shape[1])
+                dimensions.append(str(meta["dimension"]) if named else f"{name}_i")
+                if named:
+                    coordinates[dimensions[-1]] = named
             variables[name] = (dimensions, x, {key: meta[key] for key in ("unit", "meaning") if meta.get(key)})
         attributes = {"status": self.status, "cause": self.cause, "scenario": json.dumps(self.description)}
         return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
@@ -219,11 +231,47 @@ class Result:
         meta = {name: dict(m) for name, m in facts.meta.items()}
         return cls(scenario, t, arrays, events, facts.status, facts.cause, facts.end_time, dict(facts.statistics), meta)
 
-    def plot(self) -> Figure:
-        """An overview: pointing error, rate, commands and effectiveness, with the faults marked."""
+    def to_dataframe(self, channels: Iterable[str] | None = None) -> pd.DataFrame:
+        """A pandas table, a row an instant, a column a number: ``truth.omega_BN_B.x``, ``allocation.u.0``.
+
+        Parameters
+        ----------
+        channels
+            Names of channels, short or full; all that were recorded when not given.
+        """
+        from gyrostat import columns
+
+        return columns.data_frame(self, channels)
+
+    def to_parquet(self, path: str | Path, channels: Iterable[str] | None = None) -> Path:
+        """Write the table of `to_dataframe` as a Parquet file, with units, and the scenario in its metadata."""
+        from gyrostat import columns
+
+        return columns.write(self, path, ".parquet", channels)
+
+    def to_csv(self, path: str | Path, channels: Iterable[str] | None = None) -> Path:
+        """Write the table of `to_dataframe` as a CSV file; every number reads back exactly."""
+        from gyrostat import columns
+
+        return columns.write(self, path, ".csv", channels)
+
+    def plot(self, *channels: str) -> Figure:
+        """Draw channels by name, a panel each, with the faults marked.
+
+        Parameters
+        ----------
+        *channels
+            Names, short or full: ``result.plot("error.angle", "u")``. Without any an overview is drawn: pointing error,
+            rate, commands and effectiveness.
+
+        Raises
+        ------
+        KeyError
+            Nothing of that name was recorded; the message lists near names.
+        """
         from gyrostat import plots
 
-        return plots.overview(self)
+        return plots.channels(self, channels) if channels else plots.overview(self)
 
     def to_html(self, path: str | Path, *, single_file: bool = False) -> Path:
         """Write a page that re-plays the run in a browser, from a file and without a network.
@@ -262,11 +310,3 @@ def _rank(group: str) -> tuple[int, str]:
 
 def _is_plain(value: Any) -> bool:
     return isinstance(value, bool | int | float | str | list | dict)
-
-
-def _labels(dimension: str, size: int) -> list[str] | list[int]:
-    """Labels of the columns of a channel; none when they are no dimension that channels share."""
-    if dimension == "actuator":
-        return list(range(size))
-    labels = list({"axis": "xyz", "quaternion": "wxyz"}.get(dimension, ""))
-    return labels if len(labels) == size else []

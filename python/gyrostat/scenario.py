@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import copy
 import operator
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
@@ -429,6 +429,32 @@ class Scenario(Model):
                 raw = self.compiled.simulate(components, chosen, fewer, progress, room)
         return Result.from_core(self, raw, components)
 
+    def __getitem__(self, key: str) -> Any:
+        """A value by the dotted key that `replace` takes, defaults filled in: ``scenario["observer.lambda1"]``.
+
+        Raises
+        ------
+        KeyError
+            There is no such key; the message has the nearest one.
+        """
+        values = self._values
+        if key not in values:
+            raise KeyError(f"no key '{key}'{suggestion(str(key), values)}")
+        return values[key]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self._values)
+
+    def _repr_html_(self) -> str:
+        from gyrostat import notebook
+
+        return notebook.scenario(self)
+
+    @cached_property
+    def _values(self) -> dict[str, Any]:
+        """Every value by its dotted key: tables, and what is in them."""
+        return dict(_leaves("", self.resolve()))
+
     def python_components(self) -> dict[str, object]:
         """The roles that Python objects play, with the objects; of sensors, faults and disturbances a list of those."""
         found = {role: getattr(self, role) for role in _roles}
@@ -477,6 +503,16 @@ def _can_be_copied(component: object) -> bool:
     except Exception:
         return False
     return True
+
+
+def _leaves(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """A table, or a list of tables, by keys; each with what is in it."""
+    if prefix:
+        yield prefix, value
+    tables = isinstance(value, list) and all(isinstance(v, Mapping) for v in value)
+    within = dict(enumerate(value)) if tables else value if isinstance(value, Mapping) else {}
+    for key, inner in within.items():
+        yield from _leaves(f"{prefix}.{key}" if prefix else str(key), inner)
 
 
 def find(name: str | Path) -> Path:

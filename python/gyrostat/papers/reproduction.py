@@ -39,6 +39,11 @@ class Reproduction:
         """What was measured, without the series that figures are drawn from."""
         return replace(self, results={}, ensembles={})
 
+    def _repr_html_(self) -> str:
+        from gyrostat import notebook
+
+        return notebook.reproduction(self)
+
     def to_dict(self) -> dict[str, Any]:
         """As ``gyrostat reproduce --json`` prints it."""
         return {
