@@ -456,3 +456,13 @@ def test_a_page_turns_with_the_gimbals(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     scenario.run().to_html(page)
     assert page.stat().st_size > 10_000
+
+
+def test_experiments_vary_gyros_and_survival_asks_them() -> None:
+    scenario = gs.Scenario.load("agile_cmg")
+    flights = gs.Experiment(scenario, vary=["cmg.rotor_momentum"]).fly([[15.0], [30.0]])
+    alone = [scenario.replace(**{"cmg.rotor_momentum": h}).run().metrics.energy for h in (15.0, 30.0)]
+    np.testing.assert_allclose(flights["energy"], alone, rtol=1e-12)
+    cases = gs.survive(scenario.replace(faults=[]), kinds=["dead"], severities=[1.0]).cases
+    assert [case.status for case in cases] == ["completed"] * 5
+    assert cases[0].torque == pytest.approx(2 * 20.0 / np.sqrt(3.0))  # of the gimbals at the start, about x and y

@@ -70,3 +70,20 @@ def test_axes_that_move_are_taken_for_no_fault(observer: str, detector: str) -> 
 def test_every_observer_helps_with_a_locked_gimbal(observer: str) -> None:
     alone, helped = flown(duration=60.0), flown(observer=observer, duration=60.0)
     assert np.rad2deg(helped["error.angle"][-1]) < min(1e-3, np.rad2deg(alone["error.angle"][-1]))
+
+
+class LosesGimbals:
+    """A navigator that has no angles for two seconds of the slew."""
+
+    def step(self, y: gs.Measurement) -> gs.Measurement:
+        if 100 <= y.tick < 140:
+            y.gimbal = np.full(4, np.nan)
+        return y
+
+
+def test_gimbals_that_nobody_measures_leave_the_axes_where_they_were() -> None:
+    result = flown(navigator=LosesGimbals(), faults=[], duration=60.0)
+    angle = np.rad2deg(result["error.angle"])
+    assert result.completed
+    assert angle.max() < 20.0
+    assert angle[result.t > 50.0].max() < 1e-3
