@@ -103,11 +103,17 @@ def reproduction(found: Reproduction) -> None:
                     _measured(row),
                     f"[{low}, {high}]",
                     "ok" if row.ok else "FAILED",
-                    "; ".join([row.verdict, *(t for t in row.troubles if t != row.verdict)]),
+                    ": ".join([row.verdict, *_reasons(row)]),
                 )
             )
     columns(rows)
     tally(found)
+
+
+def _reasons(row: Row) -> list[str]:
+    """Why something was not measured, where that is so."""
+    told = "; ".join(text.removeprefix("not measured: ") for text in row.troubles)
+    return [told] if told else []
 
 
 def _measured(row: Row) -> str:

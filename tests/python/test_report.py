@@ -298,7 +298,7 @@ def test_one_study_is_a_line_a_claim_with_the_seeds_in_one(flown: dict[str, pape
     )
     lines = CliRunner().invoke(app, ["reproduce", "yang2023"]).output.splitlines()
     assert "FAILED" in lines[1]
-    assert lines[1].endswith("it ended")
+    assert lines[1].endswith("differs between seeds: it ended")
 
 
 @pytest.mark.usefixtures("flown")
