@@ -95,6 +95,13 @@ class NominalVehicle:
     @h_max.setter
     def h_max(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
+    def magnetorquers(self) -> list:
+        """
+        actuators that are a dipole (A m^2); their D_B is zero but in the axes of a sample
+        """
+    @magnetorquers.setter
+    def magnetorquers(self, arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
     def orbit_rate(self) -> float:
         """
         rad/s
@@ -185,6 +192,27 @@ class Measurement:
         counts jumps that no motion explains
         """
     @property
+    def field_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) T, magnetic field
+        """
+    @field_B.setter
+    def field_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def field_N(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) T, the field as flight's model has it; zero: not known
+        """
+    @field_N.setter
+    def field_N(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def field_valid(self) -> bool:
+        """
+        False: field_B was not measured at this sample
+        """
+    @field_valid.setter
+    def field_valid(self, arg0: bool) -> None: ...
+    @property
     def h_w(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (n,) N m s
@@ -226,6 +254,27 @@ class Measurement:
         """
     @rate_valid.setter
     def rate_valid(self, arg0: bool) -> None: ...
+    @property
+    def sun_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) unit, direction to the sun
+        """
+    @sun_B.setter
+    def sun_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def sun_N(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) unit, the sun as the almanac has it; zero: not known
+        """
+    @sun_N.setter
+    def sun_N(self, arg1: numpy.typing.ArrayLike) -> None: ...
+    @property
+    def sun_valid(self) -> bool:
+        """
+        False: sun_B was not measured at this sample
+        """
+    @sun_valid.setter
+    def sun_valid(self, arg0: bool) -> None: ...
     @property
     def tick(self) -> int: ...
 
@@ -308,6 +357,13 @@ class Estimate:
         """
         of the measurement: counts jumps that no motion explains
         """
+    @property
+    def field_B(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) T, magnetic field of the measurement
+        """
+    @field_B.setter
+    def field_B(self, arg1: numpy.typing.ArrayLike) -> None: ...
     @property
     def h_w(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
@@ -502,6 +558,10 @@ class Compiled:
     def inner_rates(self) -> dict:
         """
         Rates of the truth's own motion at the start, 1/s, and what integrators allow for them.
+        """
+    def orbit_rate(self) -> float:
+        """
+        rad/s, of its orbit; 0 without one.
         """
     def resolve(self) -> dict:
         """

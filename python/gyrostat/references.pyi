@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Generated from the catalogue by gyrostat.stubs.
+from typing import Literal
 
 from gyrostat.components import Component, Matrix, Vector
 
@@ -166,4 +167,85 @@ def BangBang(
         of the turn, in axes of the reference; of any length; default [0.0, 0.0, 1.0]
     start
         when it begins; s; >= 0; default 0.0
+    """
+
+def Nadir(
+    *,
+    q_OR: Vector | None = ...,
+) -> Component:
+    """The reference 'nadir'.
+
+    Parameters
+    ----------
+    q_OR
+        attitude in the orbital frame, scalar first; [-1, 1]; default [1.0, 0.0, 0.0, 0.0]
+    """
+
+def Target(
+    *,
+    latitude: float,
+    longitude: float,
+    altitude: float | None = ...,
+    axis: float | Vector | None = ...,
+    second_axis: float | Vector | None = ...,
+) -> Component:
+    """The reference 'target'.
+
+    Parameters
+    ----------
+    latitude
+        of the site, geocentric; rad; [-1.5708, 1.5708]
+    longitude
+        of the site, to the east of Greenwich; rad; [-6.28319, 6.28319]
+    altitude
+        of the site above the sphere; m; [-100000, 100000]; default 0.0
+    axis
+        of the reference, that points there; of any length; default [0.0, 0.0, 1.0]
+    second_axis
+        of the reference, as near to the second direction as it goes; default [1.0, 0.0, 0.0]
+    """
+
+def Sun(
+    *,
+    axis: float | Vector | None = ...,
+    second_axis: float | Vector | None = ...,
+) -> Component:
+    """The reference 'sun'.
+
+    Parameters
+    ----------
+    axis
+        of the reference, that points there; of any length; default [0.0, 0.0, 1.0]
+    second_axis
+        of the reference, as near to the second direction as it goes; default [0.0, 1.0, 0.0]
+    """
+
+def TwoVector(
+    *,
+    latitude: float,
+    longitude: float,
+    first: Literal["nadir", "zenith", "velocity", "orbit_normal", "sun", "site"] | None = ...,
+    second: Literal["nadir", "zenith", "velocity", "orbit_normal", "sun", "site"] | None = ...,
+    axis: float | Vector | None = ...,
+    second_axis: float | Vector | None = ...,
+    altitude: float | None = ...,
+) -> Component:
+    """The reference 'two_vector'.
+
+    Parameters
+    ----------
+    latitude
+        of the site, geocentric; rad; [-1.5708, 1.5708]
+    longitude
+        of the site, to the east of Greenwich; rad; [-6.28319, 6.28319]
+    first
+        where `axis` points; one of nadir, zenith, velocity, orbit_normal, sun, site; default nadir
+    second
+        where `second_axis` points as nearly as it can; one of nadir, zenith, velocity, orbit_normal, sun, site; default velocity
+    axis
+        of the reference, that points there; of any length; default [0.0, 0.0, 1.0]
+    second_axis
+        of the reference, as near to the second direction as it goes; default [1.0, 0.0, 0.0]
+    altitude
+        of the site above the sphere; m; [-100000, 100000]; default 0.0
     """

@@ -75,6 +75,8 @@ def StarTracker(
     phase: int | None = ...,
     blind: Matrix | None = ...,
     rate_max: float | None = ...,
+    sun_keepout: float | None = ...,
+    earth_keepout: float | None = ...,
     outlier_probability: float | None = ...,
     outlier_angle: float | None = ...,
     flip_sign: bool | None = ...,
@@ -97,12 +99,67 @@ def StarTracker(
         rows [t_on, t_off] in which no star is seen; s; [0, inf]; default []
     rate_max
         body rate above which no star is seen; rad/s; [0, inf]; default inf
+    sun_keepout
+        angle from the sun below which no star is seen; 0: none; rad; [0, 3.14159]; default 0.0
+    earth_keepout
+        angle from the edge of the Earth below which no star is seen; 0: none; rad; [0, 3.14159]; default 0.0
     outlier_probability
         of a fix that is wrong and called valid; [0, 1]; default 0.0
     outlier_angle
         turn of an outlier, about an axis drawn from the sphere; rad; [0, 3.14159]; default 0.0
     flip_sign
         give q or -q, drawn for each fix; default False
+    """
+
+def SunSensor(
+    *,
+    noise: float | None = ...,
+    boresight_B: float | Vector | None = ...,
+    field_of_view: float | None = ...,
+    every: int | None = ...,
+    phase: int | None = ...,
+    blind: Matrix | None = ...,
+) -> Component:
+    """The sensor 'sun_sensor'.
+
+    Parameters
+    ----------
+    noise
+        white, one sigma a sample and axis of the unit vector; rad; [0, 1]; default 0.0
+    boresight_B
+        middle of the field of view, of any length; [-1e+12, 1e+12]; default [0.0, 0.0, 1.0]
+    field_of_view
+        half-angle of the cone in which the sun is seen; pi: everywhere; rad; [0, 3.14159]; default 3.141592653589793
+    every
+        from one direction to the next; samples; [1, 1e+06]; default 1
+    phase
+        tick of the first direction; samples; [0, 1e+06]; default 0
+    blind
+        rows [t_on, t_off] in which nothing is seen; s; [0, inf]; default []
+    """
+
+def Magnetometer(
+    *,
+    noise: float | None = ...,
+    offset: float | Vector | None = ...,
+    every: int | None = ...,
+    phase: int | None = ...,
+    blind: Matrix | None = ...,
+) -> Component:
+    """The sensor 'magnetometer'.
+
+    Parameters
+    ----------
+    noise
+        white, one sigma a sample and axis; T; [0, 0.001]; default 0.0
+    offset
+        of the vehicle's own magnetism, in body axes; T; [-0.001, 0.001]; default [0.0, 0.0, 0.0]
+    every
+        from one field to the next; samples; [1, 1e+06]; default 1
+    phase
+        tick of the first field; samples; [0, 1e+06]; default 0
+    blind
+        rows [t_on, t_off] in which nothing is measured; s; [0, inf]; default []
     """
 
 def Tachometer(
