@@ -100,7 +100,7 @@ def test_nadir_needs_no_more_than_an_orbit_rate() -> None:
     [
         ("nadir", {"orbit": None}, "nadir needs an orbit, or the vehicle's orbit_rate"),
         ("sun", {"orbit": None}, "'sun': needs an orbit"),
-        ("target", {}, "latitude and longitude of the site are missing"),
+        ("target", {}, "latitude is missing"),
         ({"type": "target", "latitude": 45, "longitude": 0}, {}, "looks like degrees"),
         ({"type": "two_vector", "first": "nadir", "second": "zenith"}, {}, r"0\.0+ deg from one line at t = 0"),
         ({"type": "two_vector", "first": "nadir", "second": "moon"}, {}, "moon"),

@@ -29,7 +29,7 @@ def flight(sensors: list[Any], **changes: Any) -> gs.Scenario:
             "controller": "mrp_feedback",
             "reference": "nadir",
             "sensors": sensors,
-            "initial": gs.Initial(q_NB=[0.3, 0.5, -0.6, 0.4], omega_BN_B=[0.002, -0.003, 0.001]),
+            "initial": gs.Initial(q_NB=[0.36, 0.48, -0.64, 0.48], omega_BN_B=[0.002, -0.003, 0.001]),
             "duration": 3000.0,
             "dt": 0.5,
             **changes,

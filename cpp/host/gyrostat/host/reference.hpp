@@ -197,7 +197,7 @@ struct TwoVector : Site, PointingAxes {
   enum class Direction : std::uint8_t { nadir, zenith, velocity, orbit_normal, sun, site };
   Direction first = Direction::nadir, second = Direction::velocity;
 
-  TwoVector() : PointingAxes{{0, 0, 1}, {1, 0, 0}} {}
+  TwoVector() : Site{0, 0, 0}, PointingAxes{{0, 0, 1}, {1, 0, 0}} {}
 
   static constexpr void describe(auto& p, auto&& field) {
     constexpr const char* directions = "nadir|zenith|velocity|orbit_normal|sun|site";
