@@ -222,10 +222,11 @@ def fault_marks(result: Result) -> list[tuple[float, str]]:
 
 def overview(result: Result) -> Figure:
     """Pointing error, body rate, commands and effectiveness of a run, of what was recorded."""
+    unit = "N m; magnetorquers A m^2" if result.description["vehicle"].get("magnetorquers") else "N m"
     panels = [
         ("error.angle", "pointing error", "deg", (), True),
         ("truth.omega_BN_B", "body rate", "rad/s", ("x", "y", "z"), False),
-        ("allocation.u", "command", "N m", (), False),
+        ("allocation.u", "command", unit, (), False),
         ("truth.effectiveness", "effectiveness", "", (), False),
     ]
     shown = [p for p in panels if p[0] in result.channels]

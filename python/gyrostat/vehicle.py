@@ -6,6 +6,7 @@ A key that is not given keeps the default of the C++ description; ``gyrostat des
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
@@ -63,7 +64,7 @@ class Vehicle(Block):
 
     @property
     def torque_axes(self) -> NDArray[np.float64]:
-        """Torque of each command, body axes in columns (3, n); zero of a magnetorquer, whose torque the field decides."""
+        """Torque of each command, body axes in columns (3, n); zero of a magnetorquer, which the field decides."""
         return torque_axes(self.to_dict())
 
 
@@ -103,7 +104,9 @@ class Flexible(Block):
 
 
 class Orbit(Block):
-    """An orbit round the Earth: N is then the equatorial frame, z to the north pole and x to the equinox. Angles in rad, at t = 0.
+    """An orbit round the Earth: N is then the equatorial frame, z to the north pole and x to the equinox.
+
+    Angles in rad, at t = 0.
 
     Parameters
     ----------
@@ -146,8 +149,8 @@ class Desaturation(Block):
     gain
         Of the cross-product law, in units of the orbit's rate; 2 when not given.
     momentum
-        ``wheels``, whose momentum is taken off without moving the attitude, or ``total``, that of the vehicle, which comes
-        to rest.
+        ``wheels``, whose momentum is taken off without moving the attitude, or ``total``, that of the vehicle, which
+        comes to rest.
     keep_B
         Momentum that is left, N m s in body axes.
     """
@@ -229,3 +232,18 @@ def flexible_4() -> tuple[Vehicle, Flexible]:
     )
     modes = Flexible(delta=delta, omega=(0.7681, 1.1038, 1.8733, 2.5496), xi=(0.0056, 0.0086, 0.0128, 0.0252))
     return vehicle, modes
+
+
+def cubesat_6u() -> Vehicle:
+    """A 6U CubeSat: four wheels of 2 mN m and 30 mN m s on a pyramid, three magnetorquers of 0.4 A m^2 on the axes.
+
+    It flies on an orbit, whose field the magnetorquers need.
+    """
+    return Vehicle(
+        J_B=(0.13, 0.10, 0.05),
+        D_B=np.column_stack([np.array(PYRAMID4) / np.sqrt(3.0), np.eye(3)]),
+        u_max=(2e-3, 2e-3, 2e-3, 2e-3, 0.4, 0.4, 0.4),
+        wheel_inertia=(3e-5, 3e-5, 3e-5, 3e-5, 0.0, 0.0, 0.0),
+        momentum_max=(0.03, 0.03, 0.03, 0.03, math.inf, math.inf, math.inf),
+        magnetorquers=(4, 5, 6),
+    )

@@ -72,7 +72,7 @@ def _rank_tolerance(scenario: Scenario) -> float:
 
 
 def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
-    """Axes (3, n) and limits (n,) that really fly; spares that nobody enables have none."""
+    """Axes (3, n) and limits (n,) that really fly; magnetorquers and spares that nobody enables have none."""
     plain = scenario.resolve()
     truth = plain.get("truth", {})
     D = torque_axes(plain["vehicle"])
@@ -85,9 +85,10 @@ def _actuators(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
 
     up = limit("u_max", np.full(D.shape[1], np.inf))
     lo = limit("u_min", -up)
+    off = list(plain["vehicle"].get("magnetorquers") or [])
     if plain["detector"]["type"] == "none":
-        off = list(plain["vehicle"].get("spare", []))
-        up[off] = lo[off] = 0.0
+        off += list(plain["vehicle"].get("spare") or [])
+    up[off] = lo[off] = 0.0
     return D, lo, up
 
 
@@ -114,6 +115,8 @@ def torque_findings(
     list of Finding
         Of a vehicle with an infinite limit only when the signs of its actuators leave out some direction.
     """
+    if len(scenario.vehicle.magnetorquers or ()) == scenario.vehicle.actuators:
+        return [Finding("torque", "every direction", "of magnetorquers alone: none along the magnetic field")]
     sets = attainable_after_faults(scenario)
     if sets is None:
         D, lo, up = _actuators(scenario)

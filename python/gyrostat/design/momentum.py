@@ -6,15 +6,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrostat.design.finding import Finding
 from gyrostat.scenario import Scenario
 
-_samples = 2000  # of the loop without faults, at most
+_samples = 20_000  # of the loop without faults, at most
 
 
 def findings(scenario: Scenario) -> list[Finding]:
-    """What ``gyrostat check`` says of the momentum of wheels that can fill; nothing where none can, or nothing fills them.
+    """What ``gyrostat check`` says of wheels that can fill; nothing where none can, or nothing fills them.
 
     The torque from outside is averaged in inertial axes over one orbit, or the scenario, of the loop without faults.
 
@@ -26,7 +27,8 @@ def findings(scenario: Scenario) -> list[Finding]:
     room = capacity(scenario)
     if not scenario.disturbances or not 0.0 < room < math.inf:
         return []
-    mean = float(np.linalg.norm(mean_torque(scenario)))
+    torque, share = means(scenario)
+    mean = float(np.linalg.norm(torque))
     if mean * scenario.duration < 1e-3 * room:
         return []
     lasts = room / mean
@@ -36,19 +38,17 @@ def findings(scenario: Scenario) -> list[Finding]:
         return [
             Finding("momentum", "wheels", text, None if lasts > scenario.duration else False, lasts, scenario.duration)
         ]
-    rate = scenario.compiled.orbit_rate() * float(scenario.resolve()["desaturation"].get("gain", 2.0))
-    level = mean / (rate * _share) if rate > 0.0 else math.inf
-    if level == math.inf:
+    gain = scenario.desaturation.gain
+    rate = scenario.compiled.orbit_rate() * (2.0 if gain is None else gain) * share
+    if rate <= 0.0:
         return [Finding("momentum", "wheels", f"{text}; a gain of 0 empties nothing", False, lasts, scenario.duration)]
+    level = mean / rate
     text += f"; magnetorquers hold them near {level:.2g} of {room:.2g} N m s"
     return [Finding("momentum", "wheels", text, level < room, level, room)]
 
 
-_share = 0.5  # of the gain, in the direction that the field leaves least over an orbit
-
-
 def capacity(scenario: Scenario) -> float:
-    """Momentum, N m s, that the wheels of a scenario hold in every direction, shared by least norm; infinite without a limit."""
+    """Momentum, N m s, that the wheels hold in every direction, shared by least norm; infinite without a limit."""
     vehicle, truth = scenario.vehicle, scenario.truth
     D = vehicle.torque_axes
     inertia = np.broadcast_to(np.asarray(vehicle.wheel_inertia or 0.0, dtype=float), D.shape[1])
@@ -61,18 +61,36 @@ def capacity(scenario: Scenario) -> float:
     return float(np.min(most[wheels] / share))
 
 
-def mean_torque(scenario: Scenario) -> np.ndarray:
-    """(3,) N m, of the disturbances, inertial axes, over one orbit or the scenario."""
+def means(scenario: Scenario) -> tuple[NDArray[np.float64], float]:
+    """What holds on the average over one orbit, or the scenario, in inertial axes.
+
+    Returns
+    -------
+    NDArray
+        (3,) N m, torque of the disturbances.
+    float
+        Share of a momentum that lies across the field, in the direction that has least of it; 1 without an orbit.
+    """
     rate = scenario.compiled.orbit_rate()
     length = min(scenario.duration, 2.0 * math.pi / rate) if rate > 0.0 else scenario.duration
     samples = max(1, min(_samples, round(length / scenario.dt)))
-    flown = scenario.replace(
+    channels = ["truth.q_NB", "truth.external_B", *(["truth.field_B"] if scenario.orbit else [])]
+    alone = scenario.replace(
         faults=[], sensors=[], shadows=[], record=None, navigator=None, duration=samples * scenario.dt
-    ).run(channels=["truth.q_NB", "truth.external_B"])
-    q, torque = flown["truth.q_NB"], flown["truth.external_B"]
-    v = q[:, 1:]
-    across = 2.0 * np.cross(v, torque)
-    return np.asarray((torque + q[:, :1] * across + np.cross(v, across)).mean(axis=0))
+    )
+    flown = alone.run(channels=channels)
+    torque = _turned(flown["truth.q_NB"], flown["truth.external_B"]).mean(axis=0)
+    if scenario.orbit is None:
+        return torque, 1.0
+    b = _turned(flown["truth.q_NB"], flown["truth.field_B"])
+    b /= np.linalg.norm(b, axis=1, keepdims=True)
+    return torque, float(1.0 - np.linalg.eigvalsh(b.T @ b / len(b))[2])
+
+
+def _turned(q_NB: NDArray[np.float64], v_B: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rows of body vectors in inertial axes."""
+    across = 2.0 * np.cross(q_NB[:, 1:], v_B)
+    return np.asarray(v_B + q_NB[:, :1] * across + np.cross(q_NB[:, 1:], across))
 
 
 def _time(seconds: float) -> str:

@@ -152,7 +152,8 @@ def _largest(channel: str) -> Callable[[Result], Array]:
 def _command(result: Result) -> Panel:
     u = result["allocation.u"]
     vehicle = result.description["vehicle"]
-    return Panel("command", "Command of each actuator", "N m", _columns(u, _numbers(u)), _limits(vehicle))
+    unit = "N m; magnetorquers A m^2" if vehicle.get("magnetorquers") else "N m"
+    return Panel("command", "Command of each actuator", unit, _columns(u, _numbers(u)), _limits(vehicle))
 
 
 def _limits(vehicle: Mapping[str, Any]) -> list[tuple[float, str]]:

@@ -511,7 +511,8 @@ std::vector<CheckRow> check_components(const Assembly& a, const ExternalComponen
   add(c.controllers, a.controller);
   add(c.allocators, a.allocator);
   if (a.desaturation) {
-    rows.push_back({"desaturation", "", CrossProductDesaturation<double>::check(a.setup, *a.desaturation)});
+    rows.push_back(
+        {"desaturation", "cross_product", CrossProductDesaturation<double>::check(a.setup, *a.desaturation)});
   }
   if (const Status<double> pair = check_pair(a); !pair.ok())
     rows.push_back({"observer and allocator", a.observer.type + ", " + a.allocator.type, pair});

@@ -72,6 +72,7 @@ class AdaptiveSlidingMode {
     const S least = smallest_inertia(setup.vehicle.J_B), most = largest_inertia(setup.vehicle.J_B);
     S u = S(0);
     for (int i = 0; i < setup.vehicle.actuators(); ++i) {
+      if (setup.vehicle.magnetorquers.test(i)) continue;  // in A m^2, and weak beside the others
       const S limit = std::max(setup.vehicle.u_up[i], -setup.vehicle.u_lo[i]);
       u = std::max(u, std::isfinite(limit) ? limit : usable_torque(setup.vehicle));
     }
