@@ -63,7 +63,7 @@ def test_laws_follow_the_earth_through_faults(reference: Any, law: str) -> None:
 
 def test_the_boresight_hits_the_site() -> None:
     result = flown(gs.references.Target(**SITE), ["truth.q_NB", "truth.r_N"])
-    angle = ORBIT.earth_angle + 7.292115e-5 * result.t + SITE["longitude"]
+    angle = 1.2 + 7.292115e-5 * result.t + SITE["longitude"]
     up = SITE["latitude"]
     site = 6378137.0 * np.stack(
         [np.cos(up) * np.cos(angle), np.cos(up) * np.sin(angle), np.full_like(angle, np.sin(up))], 1
