@@ -115,8 +115,8 @@ def test_an_exported_stack_hears_sun_and_field(tmp_path: Path) -> None:
     assert "uint8_t field_valid, sun_valid;" in (tmp_path / "c" / "sky.h").read_text()
     export(scenario, "cpp", tmp_path / "cpp")
     flags = "-std=c++20 -O0 -fno-exceptions -fno-rtti -ffp-contract=off -Iinclude -I."
-    command = f"{find_compiler()} {flags} -isystem {find_eigen()} self_test.cpp -o self_test"
-    subprocess.run(command.split(), cwd=tmp_path / "cpp", check=True, timeout=300)
+    command = [*find_compiler(), *flags.split(), "-isystem", str(find_eigen()), "self_test.cpp", "-o", "self_test"]
+    subprocess.run(command, cwd=tmp_path / "cpp", check=True, timeout=300)
     told = subprocess.run(["./self_test"], cwd=tmp_path / "cpp", check=True, timeout=60, capture_output=True, text=True)
     assert "201 samples, largest deviation 0.00e+00" in told.stdout
     plain = flight([GYRO], name="plain", orbit=None, reference="hold", duration=100.0)
