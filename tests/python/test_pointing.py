@@ -63,7 +63,7 @@ def test_laws_follow_the_earth_through_faults(reference: Any, law: str) -> None:
 
 def test_the_boresight_hits_the_site() -> None:
     result = flown(gs.references.Target(**SITE), ["truth.q_NB", "truth.r_N"])
-    angle = ORBIT.earth_angle + 7.292115e-5 * result.t + SITE["longitude"]
+    angle = 1.2 + 7.292115e-5 * result.t + SITE["longitude"]
     up = SITE["latitude"]
     site = 6378137.0 * np.stack(
         [np.cos(up) * np.cos(angle), np.cos(up) * np.sin(angle), np.full_like(angle, np.sin(up))], 1
@@ -100,7 +100,7 @@ def test_nadir_needs_no_more_than_an_orbit_rate() -> None:
     [
         ("nadir", {"orbit": None}, "nadir needs an orbit, or the vehicle's orbit_rate"),
         ("sun", {"orbit": None}, "'sun': needs an orbit"),
-        ("target", {}, "latitude and longitude of the site are missing"),
+        ("target", {}, "latitude is missing"),
         ({"type": "target", "latitude": 45, "longitude": 0}, {}, "looks like degrees"),
         ({"type": "two_vector", "first": "nadir", "second": "zenith"}, {}, r"0\.0+ deg from one line at t = 0"),
         ({"type": "two_vector", "first": "nadir", "second": "moon"}, {}, "moon"),

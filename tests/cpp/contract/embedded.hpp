@@ -116,6 +116,45 @@ TYPED_TEST(Embedded, NavigatorsAllocateNothingAndBearWhatComes) {
   EXPECT_EQ(stacks, static_cast<int>(Navigators::count));
 }
 
+/// The attitude filter on sun and field alone: started, blinded, deceived, started again.
+TYPED_TEST(Embedded, DirectionsAllocateNothingAndBearWhatComes) {
+  using S = TypeParam;
+  using Stack = FlightStack<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>, Mekf<S>>;
+  const gyrostat::Setup<S> setup = ftc_4rw<S>();
+  const S nan = std::numeric_limits<S>::quiet_NaN();
+  for (const auto how : {Mekf<S>::Acquisition::quest, Mekf<S>::Acquisition::triad}) {
+    typename Stack::Params p(setup);
+    p.navigator.sun_noise = S(1e-3);
+    p.navigator.field_noise = S(1e-7);
+    p.navigator.latency = 3;
+    p.navigator.acquisition = how;
+    Stack stack(unchecked, setup, p);
+    const long before = allocations, failed = eigen_failures;
+    Eigen::internal::set_is_malloc_allowed(false);
+    bool finite = true;
+    for (Tick k = 0; k < 1000; ++k) {
+      Measurement<S> y = wobble<S>(k, 4);
+      y.sun_N = {S(0.6), S(0.8), S(0)};
+      y.field_N = {S(0), S(1e-5), S(2e-5)};
+      y.sun_B = y.q_NB.conjugate() * y.sun_N;
+      y.field_B = y.q_NB.conjugate() * y.field_N;
+      y.sun_valid = k % 50 > 5;
+      y.field_valid = k % 70 > 5;
+      y.attitude_valid = false;
+      if (k % 7 == 1) y.sun_B[0] = nan;
+      if (k % 11 == 1) y.field_N.setZero();
+      if (k % 13 == 1) y.field_B.setConstant(S(1));
+      if (k % 300 > 250) y.sun_B = -y.sun_B;
+      finite = finite && step(stack, y).u.allFinite();
+    }
+    Eigen::internal::set_is_malloc_allowed(true);
+    EXPECT_EQ(allocations - before, 0);
+    EXPECT_EQ(eigen_failures - failed, 0);
+    EXPECT_TRUE(finite);
+    EXPECT_TRUE(stack.started());
+  }
+}
+
 /// NaN, infinite, huge, tiny and zero numbers in every field: the command stays finite and inside its limits, and the flags
 /// of a spoilt input are gone with the first sane ones.
 TYPED_TEST(Embedded, CommandsStayInsideTheirLimitsWhateverComesIn) {

@@ -105,7 +105,7 @@ Table with(const std::string& family, const std::string& name) {
                                                        "two_vector", "sun_sensor",      "magnetometer"};
   if (std::find(on_an_orbit.begin(), on_an_orbit.end(), name) != on_an_orbit.end()) {
     s.find("vehicle")->as<Table>()->set("orbit_rate", Value());
-    s.set("orbit", Table{{"semi_major_axis", 6.9e6}, {"inclination", 1.2}});
+    s.set("orbit", Table{{"semi_major_axis", 6.9e6}, {"inclination", 1.2}, {"sun_longitude", 1.0}});
   }
   if (family == "fault" || family == "disturbance" || family == "sensor") {
     s.set(family + "s", List{chosen});
