@@ -8,7 +8,6 @@ verdict on a requirement, 5 a campaign found the disk full.
 from __future__ import annotations
 
 import io
-import json
 import math
 import os
 import shlex
@@ -32,6 +31,7 @@ from gyrostat.scenario import Scenario, shipped
 from gyrostat.text import one_line, unescaped
 
 if TYPE_CHECKING:
+    from gyrostat.design import Finding
     from gyrostat.papers import Paper, Reproduction
     from gyrostat.results import Result
 
@@ -189,26 +189,38 @@ def describe(
 @app.command()
 def new(
     file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A new file.")],
-    vehicle: Annotated[str, typer.Option(help="`ftc_4rw`, `flexible_4` or `cubesat_6u`.")] = "ftc_4rw",
+    vehicle: Annotated[
+        str | None,
+        typer.Option(
+            help="That of a shipped scenario: `ftc_4rw`, `flexible_4`, ...; the beginning of a name is enough."
+        ),
+    ] = None,
+    like: Annotated[
+        str | None, typer.Option(help="All of a scenario instead: a shipped one (`gyrostat list scenario`), or a file.")
+    ] = None,
 ) -> None:
     """Write a first scenario: a vehicle, the recommended stack, a fault, and comments that say what to change.
 
-    Examples: `gyrostat new my.toml`, `gyrostat new cubesat.toml --vehicle cubesat_6u`
+    Examples: `gyrostat new my.toml`, `gyrostat new cubesat.toml --vehicle cubesat`,
+    `gyrostat new my.toml --like li2018/table2`
     """
-    from gyrostat.first_scenario import first_scenario
+    from gyrostat import first_scenario
 
     if file.suffix != ".toml":
         raise InputError(f"{file}: a scenario's file ends in .toml")
-    text = first_scenario(vehicle)
+    if vehicle is not None and like is not None:
+        raise InputError("--vehicle and --like: give one of them")
+    vehicle = first_scenario.vehicle_called(vehicle or "ftc_4rw")
+    text = first_scenario.first_scenario(vehicle) if like is None else first_scenario.like(like)
     if os.path.lexists(file):
         raise InputError(f"{file}: is there already, and is left as it is")
     with made_folder(file.parent):
         write_text(file, text)
     name = shlex.quote(str(file))
-    typer.echo(f"{file}: {vehicle} with the recommended stack; next:")
+    typer.echo(f"{file}: {vehicle if like is None else f'as {like}'}; next:")
     typer.echo(f"  gyrostat run {name} --out flight    # fly it; flight/index.html re-plays it")
     typer.echo(f"  gyrostat check {name}               # what can be said before it flies")
-    typer.echo(f"  gyrostat run {name} --set faults.0.remaining=0.1")
+    typer.echo(f"  gyrostat schema --install {name}    # your editor then completes and checks it")
 
 
 @app.command()
@@ -341,49 +353,83 @@ def _compared(
 def reproduce(
     paper: Annotated[str, typer.Argument(help="A paper (`gyrostat list paper`), the folder of one, or `all`.")],
     out: Annotated[
-        Path | None, typer.Option(help="Folder for the report, the figures and their data; without it, claims only.")
+        Path | None,
+        typer.Option(help="Folder for the report (`index.html`), its cases and figures; without it, claims only."),
     ] = None,
+    *,
+    data: Annotated[bool, typer.Option("--data", help="Save what figures draw, too, in full (`.npz`, 40 MB).")] = False,
+    claim: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ID", help="Only this claim, e.g. `t1.settling_1e-3`, or those that fit `t1.*`. Repeatable."
+        ),
+    ] = None,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Print every claim also of `all`.")] = False,
     as_json: Json = False,
 ) -> None:
     """Fly every case of a paper and hold its claims against what is measured.
 
-    Exit status 1 if a claim is outside what we accept.
+    Repeats over seeds are one line. With `all` it prints a line a paper, and what is not accepted. Exit status 1 if a
+    claim is outside what we accept.
 
-    Examples: `gyrostat reproduce li2018`, `gyrostat reproduce all --out report`
+    Examples: `gyrostat reproduce li2018`, `gyrostat reproduce li2018 --claim 't1.settling*'`,
+    `gyrostat reproduce all --out report`
     """
     from gyrostat import papers
 
     chosen = [papers.load(name) for name in (papers.available() if paper == "all" else [paper])]
-    found: list[Reproduction] = []
-    page = None
-
-    def fly(one: Paper) -> Reproduction:
-        """Results are kept where figures are drawn, and then for one study at a time."""
-        with printing.progress(f"reproducing {one.id}") as progress:
-            flown = papers.reproduce(one if out is not None else replace(one, figures=()), progress=progress)
-        found.append(flown.without_results())
-        return flown
-
-    with nullcontext() if out is None else made_folder(out):
-        if out is None:
-            for one in chosen:
-                fly(one)
-        else:
-            from gyrostat.report import write_report
-
-            page = write_report(out, map(fly, chosen))
+    if claim:
+        if out is not None:
+            raise InputError("--claim: prints its claims; a report (--out) holds all of them")
+        chosen = _with_claims(chosen, claim)
+    briefly = paper == "all" and not (verbose or as_json)
+    found, page = _reproduced(chosen, out, briefly=briefly, with_data=data)
     failed = sum(r.failed for r in found)
     if as_json:
         parts = [r.to_dict() for r in found]
         total = {"papers": parts, "passed": sum(p["passed"] for p in parts), "failed": failed}
         printing.as_json(total if paper == "all" else parts[0])
     else:
-        for reproduction in found:
-            printing.reproduction(reproduction)
-        if page is not None:
-            typer.echo(f"report: {page}")
+        printing.reproductions(found, page, briefly=briefly)
     if failed:
         raise typer.Exit(1)
+
+
+def _reproduced(
+    studies: Sequence[Paper], out: Path | None, *, briefly: bool, with_data: bool
+) -> tuple[list[Reproduction], Path | None]:
+    """What was found, and the report if one is wanted."""
+    from gyrostat import papers
+
+    found: list[Reproduction] = []
+
+    def fly(one: Paper) -> Reproduction:
+        """Results are kept where figures are drawn, and then for one study at a time."""
+        with printing.progress(f"reproducing {one.id}") as progress:
+            flown = papers.reproduce(one if out is not None else replace(one, figures=()), progress=progress)
+        found.append(flown.without_results())
+        if briefly:
+            printing.tally(flown)
+        return flown
+
+    if out is None:
+        for one in studies:
+            fly(one)
+        return found, None
+    with made_folder(out):
+        from gyrostat.report import write_report
+
+        return found, write_report(out, map(fly, studies), with_data=with_data)
+
+
+def _with_claims(studies: Sequence[Paper], patterns: Sequence[str]) -> list[Paper]:
+    """Studies with the claims that fit any of the patterns; those that have none are left out."""
+    kept = [(one, [c for c in one.claims if any(c.fits(p) for p in patterns)]) for one in studies]
+    some = [one.only(claims) for one, claims in kept if claims]
+    if not some:
+        known = {c.id for one in studies for c in one.claims}
+        raise InputError(f"no claim '{patterns[0]}'{suggestion(patterns[0], known)}")
+    return some
 
 
 @app.command()
@@ -403,21 +449,22 @@ def check(
         bool, typer.Option("--fly", help="Fly it too, and say how often its demand is out of the actuators' reach.")
     ] = False,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Draw frequency response and gain region there.")
+        Path | None, typer.Option("--out", metavar="FOLDER", help="For a page: torques within reach, margins, figures.")
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Check a scenario without flying it: components against vehicle and period, stability, torque within reach.
 
-    With a learning disturbance observer it gives the exact conditions of stability, for every delay and as sampled, and
-    what the published theorem admits; `--out` draws the frequency response of its error and the gains that are stable.
-    With mixed learning it gives the margin of every condition of its theorems and the exact stability of the sampled
-    loop. With a finite-time disturbance observer it says whether feeding the estimate forward through weakened
-    actuators is stable, unstable or unproven, with the critical effectiveness. With any observer that estimates
-    something it says who uses the estimate, between which effectiveness of the actuators the sampled loop is stable,
-    measured by small flights of the stack, and whether it is with what the faults leave. With an observer of
-    effectiveness it says what cannot be identified. It also says which torque the actuators can give in every
-    direction, healthy and when the faults leave them least. Exit status 1 if a check fails.
+    With a learning disturbance observer it gives the exact conditions of stability, for every delay and as sampled,
+    and what the published theorem admits. With mixed learning it gives the margin of every condition of its
+    theorems and the exact stability of the sampled loop. With a finite-time disturbance observer it says whether
+    feeding the estimate forward through weakened actuators is stable, unstable or unproven, with the critical
+    effectiveness. With any observer that estimates something it says who uses the estimate, between which
+    effectiveness of the actuators the sampled loop is stable, measured by small flights of the stack, and whether
+    it is with what the faults leave. With an observer of effectiveness it says what cannot be identified. It also
+    says which torque the actuators can give in every direction, healthy and when the faults leave them least.
+    `--out` leaves a page (`index.html`) that draws these torques, the margins as bars, and frequency response and
+    stable gains where there are any. Exit status 1 if a check fails.
 
     Examples: `gyrostat check wheel2_degraded --torque 0.1 0.2 0`, `gyrostat check li2018/table2 --effectiveness 0.05 1`
     """
@@ -431,24 +478,31 @@ def check(
     checked = _scenario(scenario, settings)
     rows = checked.check()
     findings = design.findings(checked, effectiveness=effectiveness, torque_B=torque, fly=fly)
-    drawn = [] if out is None else _drawn(checked, out)
+    page = None if out is None else _drawn(checked, rows, findings, out, torque)
     if as_json:
         printing.as_json({"checks": rows, "design": [vars(f) for f in findings], "remarks": checked.remarks()})
     else:
-        printing.checks(rows, checked.remarks(), findings, drawn)
+        printing.checks(rows, checked.remarks(), findings)
+        if page is not None:
+            typer.echo(f"page: {page}")
     if not all(r["ok"] for r in rows) or any(f.ok is False for f in findings):
         raise typer.Exit(1)
 
 
-def _drawn(scenario: Scenario, out: Path) -> list[Path]:
-    """The figures of `gyrostat check --out`; nothing is written when there are none."""
+def _drawn(
+    scenario: Scenario, rows: list[dict[str, Any]], findings: list[Finding], out: Path, torque_B: Sequence[float] | None
+) -> Path:
+    """The page of `gyrostat check --out`, with its figures as pictures and data beside it."""
     from gyrostat import design
+    from gyrostat.page import page_path
+    from gyrostat.page.check import write_check_page
 
+    target = page_path(out)
     figures = {name: figure for draw in design.FIGURES for name, figure in draw(scenario).items()}
-    if not figures:
-        raise InputError("--out: nothing to draw; figures are of the observer 'learning_disturbance'")
-    with made_folder(out) as folder:
-        return [figure.save(folder / f"{name}.png") for name, figure in figures.items()]
+    with made_folder(target.parent) as folder:
+        for name, figure in figures.items():
+            figure.save(folder / f"{name}.png")
+        return write_check_page(target, scenario, rows, findings, figures, torque_B=torque_B)
 
 
 @app.command()
@@ -544,19 +598,51 @@ def config(
 
 
 @app.command()
-def schema(out: Annotated[Path | None, typer.Option(help="Write to a file.")] = None) -> None:
+def schema(
+    out: Annotated[Path | None, typer.Option(help="Write to a file.")] = None,
+    install: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.toml", help="Write it beside a scenario, and into that the line by which editors find it."
+        ),
+    ] = None,
+) -> None:
     """Print the JSON Schema of the scenario file; editors check and complete TOML with it.
 
-    Example: `gyrostat schema --out scenario.schema.json`
+    Examples: `gyrostat schema --out scenario.schema.json`, `gyrostat schema --install my.toml`
     """
-    from gyrostat.schema import scenario_schema
+    from gyrostat.schema import install_schema, schema_text
 
-    text = json.dumps(scenario_schema(), indent=2, default=str)
+    if install is not None:
+        if out is not None:
+            raise InputError("--out and --install: give one of them")
+        typer.echo(f"{install_schema(install)}: {install} names it in its first line")
+        return
+    text = schema_text()
     if out is None:
-        typer.echo(text)
+        typer.echo(text, nl=False)
         return
     with made_folder(out.parent):
-        write_text(out, text + "\n")
+        write_text(out, text)
+
+
+@app.command()
+def completion(
+    shell: Annotated[str, typer.Argument(help="`bash`, `zsh` or `fish`.")],
+    line: Annotated[str | None, typer.Option(hidden=True)] = None,
+) -> None:
+    """Print what makes a shell complete commands, scenarios, components, and keys of `--set`.
+
+    Examples: `eval "$(gyrostat completion bash)"`, `gyrostat completion fish | source`
+    """
+    from gyrostat import completion as shells
+
+    if line is None:
+        typer.echo(shells.script(shell), nl=False)
+        return
+    with suppress(InputError):  # of a scenario that is being written, say
+        for found in shells.answer(typer.main.get_command(app), shell, line):
+            typer.echo(found)
 
 
 app.add_typer(cli_campaign.app, name="campaign")

@@ -3,34 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from gyrostat import toml
 from gyrostat.errors import InputError, suggestion
+from gyrostat.files import file_errors
+from gyrostat.scenario import Scenario, find, shipped
 from gyrostat.stacks import recommended
-
-
-def _shipped(name: str) -> dict[str, Any]:
-    from gyrostat.scenario import Scenario
-
-    return Scenario.load(name).to_dict()
-
-
-def _cubesat() -> dict[str, Any]:
-    from gyrostat.campaign import Campaign
-
-    return Campaign.load("faulty_cubesat").base.to_dict()
-
-
-VEHICLES: dict[str, Callable[[], dict[str, Any]]] = {
-    "ftc_4rw": lambda: _shipped("ftc_4rw"),
-    "flexible_4": lambda: _shipped("flexible_4"),
-    "cubesat_6u": _cubesat,
-}
-"""Tables that hold the vehicle, by name."""
 
 _remarks = {
     "vehicle": """What flight knows: inertia J_B (kg m^2), actuator axes in the columns of D_B, largest command (N m),
@@ -53,22 +35,79 @@ Several at once: repeat [[faults]]. Try type = "stuck" with a torque.""",
 }
 
 
+_of_wheels = {
+    *("name", "description", "duration", "dt", "seed", "integrator", "vehicle", "flexible", "initial", "reference"),
+    *("record", "shadows", "faults", "disturbances", "sensors", "truth"),
+    *("navigator", "observer", "detector", "controller", "allocator"),
+}
+"""Tables of a scenario whose actuators are all wheels."""
+
+
+@cache
+def vehicles() -> dict[str, Scenario]:
+    """A scenario with each vehicle that comes with the package, by its name; of those that share one the first."""
+    from gyrostat.campaign import Campaign
+
+    named = {name: Scenario.load(name) for name in shipped() if "/" not in name}
+    named = {"cubesat_6u": Campaign.load("faulty_cubesat").base} | named
+    kept: dict[str, Scenario] = {}
+    for name, scenario in sorted(named.items()):
+        if all(scenario.vehicle != other.vehicle or scenario.flexible != other.flexible for other in kept.values()):
+            kept[name] = scenario
+    return kept
+
+
+def has_wheels_alone(scenario: Scenario) -> bool:
+    """Whether the recommended stack flies the vehicle: nothing but wheels acts on it."""
+    tables = scenario.to_dict()
+    inertia = np.asarray(tables["vehicle"].get("wheel_inertia", 0.0), dtype=float)
+    return set(tables) <= _of_wheels and bool(np.all(inertia > 0.0))
+
+
+def like(name: str) -> str:
+    """The text of a scenario: a shipped one by its name, or a file.
+
+    Raises
+    ------
+    InputError
+        There is none, or it is none.
+    """
+    path = find(name)
+    Scenario.from_toml(path)
+    with file_errors(path, "cannot be read"):
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    text = "".join(line for line in lines if not line.startswith("# SPDX")).lstrip("\n")
+    return f"# As {name}. What else there is: gyrostat list; every parameter: gyrostat describe FAMILY NAME\n{text}"
+
+
+def vehicle_called(name: str) -> str:
+    """One of `vehicles` by its name, or by how that begins.
+
+    Raises
+    ------
+    InputError
+        There is none, or several begin so.
+    """
+    known = vehicles()
+    found = [name] if name in known else [k for k in known if name and k.startswith(name)]
+    if len(found) != 1:
+        more = f": {', '.join(found)}" if found else suggestion(name, known)
+        raise InputError(f"{'several vehicles' if found else 'no vehicle'} '{name}'{more}")
+    return found[0]
+
+
 def first_scenario(vehicle: str = "ftc_4rw") -> str:
     """The text of a scenario file that flies.
 
     Parameters
     ----------
     vehicle
-        One of `VEHICLES`.
-
-    Raises
-    ------
-    InputError
-        There is no such vehicle.
+        As `vehicle_called` takes it. With other actuators than wheels its scenario as shipped.
     """
-    if vehicle not in VEHICLES:
-        raise InputError(f"no vehicle '{vehicle}'{suggestion(vehicle, VEHICLES)}")
-    given = VEHICLES[vehicle]()
+    vehicle = vehicle_called(vehicle)
+    if not has_wheels_alone(vehicles()[vehicle]):
+        return like(vehicle)
+    given = vehicles()[vehicle].to_dict()
     most = float(np.max(np.asarray(given["vehicle"]["u_max"])))
     tables: dict[str, Any] = {"vehicle": given["vehicle"]}
     tables |= {"flexible": given["flexible"]} if "flexible" in given else {}
@@ -92,4 +131,4 @@ def first_scenario(vehicle: str = "ftc_4rw") -> str:
     return "\n".join(parts)
 
 
-__all__ = ["VEHICLES", "first_scenario"]
+__all__ = ["first_scenario", "has_wheels_alone", "like", "vehicle_called", "vehicles"]

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from gyrostat.results import Result
 
 COLORS = ("#0b6bcb", "#d9480f", "#2b8a3e", "#7048e8", "#c2255c", "#495057")
+NO_SIGNAL = "level"
+"""Of lines that are a limit or an instant."""
 _max_drawn = 4000
 """Points drawn a line; longer signals are drawn by the smallest and largest value of each stretch."""
 
@@ -66,6 +68,10 @@ class Figure:
         self.axes = self.canvas.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
         self.data: dict[str, NDArray[np.float64]] = {}
         self.units: dict[str, str] = {}
+        self.levels: list[tuple[int, float, str]] = []
+        """Panel, value and label of every horizontal line."""
+        self.marks: list[tuple[float, str]] = []
+        """Instants that are marked, with their labels."""
         self.canvas.suptitle(title, fontsize=11)
         self._clock, self._unit = ("t" if along == "time" else along), unit
         self.axes[-1].set_xlabel(f"{along} ({unit})" if unit else along)
@@ -126,7 +132,8 @@ class Figure:
     def level(self, row: int, value: float, label: str) -> None:
         """Draw a horizontal line: a limit, a published number."""
         axis = self.axes[row]
-        axis.axhline(value, color="#868e96", linewidth=0.9, linestyle="--")
+        self.levels.append((row, value, label))
+        axis.axhline(value, color="#868e96", linewidth=0.9, linestyle="--", gid=NO_SIGNAL)
         axis.annotate(
             label,
             (1.0, value),
@@ -140,8 +147,9 @@ class Figure:
     def mark(self, instants: Iterable[tuple[float, str]]) -> None:
         """Mark instants through all panels, with a label in the first."""
         for t, label in instants:
+            self.marks.append((t, label))
             for axis in self.axes:
-                axis.axvline(t, color="#e03131", linewidth=0.9, linestyle=":")
+                axis.axvline(t, color="#e03131", linewidth=0.9, linestyle=":", gid=NO_SIGNAL)
             self.axes[0].annotate(
                 label, (t, 1.0), xycoords=("data", "axes fraction"), fontsize=7, color="#e03131", ha="left", va="bottom"
             )
@@ -171,8 +179,24 @@ class Figure:
             raise InputError(f"{path}: {beside.name} is there and is no figure's data; choose another name")
         with replacing(target) as picture, replacing(beside) as data, _quiet():
             self.canvas.savefig(picture, dpi=130, metadata={"Date": None} if target.suffix == ".svg" else None)
-            np.savez_compressed(data, units=np.array(json.dumps(self.units)), **self.data)  # type: ignore[arg-type]
+            self._write_data(data)
         return target
+
+    def save_data(self, path: Path) -> None:
+        """Write the data alone (``.npz``).
+
+        Raises
+        ------
+        InputError
+            A file that cannot be written, or that holds other data.
+        """
+        if not _holds_figure(path):
+            raise InputError(f"{path}: is there and is no figure's data; choose another folder")
+        with replacing(path) as data:
+            self._write_data(data)
+
+    def _write_data(self, path: Path) -> None:
+        np.savez_compressed(path, units=np.array(json.dumps(self.units)), **self.data)  # type: ignore[arg-type]
 
     def _repr_png_(self) -> bytes:
         """What a notebook shows."""

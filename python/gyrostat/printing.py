@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from gyrostat.components import range_text
+from gyrostat.text import number
 
 if TYPE_CHECKING:
     from gyrostat.design import Design, DesignReport, Finding
-    from gyrostat.papers import Reproduction
+    from gyrostat.papers import Reproduction, Row
     from gyrostat.results import Result
 
 
@@ -51,17 +52,13 @@ def run(result: Result, remarks: Sequence[str]) -> None:
         typer.echo(note)
 
 
-def checks(
-    rows: Sequence[Mapping[str, Any]], remarks: Sequence[str], findings: Sequence[Finding], pictures: Sequence[Path]
-) -> None:
+def checks(rows: Sequence[Mapping[str, Any]], remarks: Sequence[str], findings: Sequence[Finding]) -> None:
     """What a check of a scenario found."""
     lines: list[tuple[str, ...]] = [
         (r["where"], r["name"], "ok" if r["ok"] else f"{r['code']}: {_relation(r)}") for r in rows
     ]
     lines += [("scenario", "remark", text) for text in remarks]
     columns([*lines, *_finding_lines(findings)])
-    for picture in pictures:
-        typer.echo(f"figure: {picture}")
 
 
 def designs(known: Mapping[str, Design]) -> None:
@@ -80,26 +77,75 @@ def design(report: DesignReport) -> None:
             typer.echo(f"{key} = {json.dumps(value)}")
 
 
+def reproductions(found: Sequence[Reproduction], page: Path | None, *, briefly: bool) -> None:
+    """Every claim of some studies, or, when each has told its line, what was missed; and where the report is."""
+    if briefly:
+        missed(found)
+    else:
+        for one in found:
+            reproduction(one)
+    if page is not None:
+        typer.echo(f"report: {page}")
+
+
 def reproduction(found: Reproduction) -> None:
-    """Every claim of a study, and how many are accepted."""
-    from gyrostat.report import number
+    """Every claim of a study, repeats over seeds in one line, and how many are accepted."""
+    from gyrostat.papers import folded
 
     rows = [("claim", "published", "measured", "accepted", "", "published statement")]
-    for e in found.evaluations:
-        low, high = (number(end) for end in e.claim.accept)
-        rows.append(
-            (
-                e.claim.id,
-                number(e.claim.published),
-                number(e.measured),
-                f"[{low}, {high}]",
-                "ok" if e.ok else "FAILED",
-                e.verdict,
+    for experiment in folded(found):
+        for row in experiment.rows:
+            low, high = (number(end) for end in row.claim.accept)
+            rows.append(
+                (
+                    row.claim.id,
+                    number(row.claim.published),
+                    _measured(row),
+                    f"[{low}, {high}]",
+                    "ok" if row.ok else "FAILED",
+                    "; ".join([row.verdict, *(t for t in row.troubles if t != row.verdict)]),
+                )
             )
-        )
     columns(rows)
-    passed = len(found.evaluations) - found.failed
-    typer.echo(f"{found.paper.id}: {passed} of {len(found.evaluations)} claims accepted")
+    tally(found)
+
+
+def _measured(row: Row) -> str:
+    """A number, and where it is that of several seeds their spread."""
+    several = len(row.evaluations)
+    if several == 1 or not row.measured:
+        return number(row.first.measured)
+    low, high = number(min(row.measured)), number(max(row.measured))
+    return f"{number(row.first.measured)} ({len(row.measured)} seeds: {low if low == high else f'{low} ... {high}'})"
+
+
+def tally(found: Reproduction) -> None:
+    """A study in one line."""
+    from gyrostat.papers import Tally, folded
+
+    t = Tally.of(folded(found))
+    text = f"{found.paper.id}: {t.accepted} of {t.claims} claims accepted"
+    if t.holds or t.fails or t.open:
+        undecided = f", {t.open} cannot be said" if t.open else ""
+        text += f"; of its statements {t.holds} hold, {t.fails} do not{undecided}"
+    typer.echo(text)
+
+
+MOST_MISSED = 20
+"""Claims that a short report of several studies names."""
+
+
+def missed(found: Sequence[Reproduction]) -> None:
+    """What is not accepted, and why, in a few lines."""
+    from gyrostat.papers import folded
+
+    rows = [(r.paper.id, row) for r in found for e in folded(r) for row in e.rows if not row.ok]
+    for paper, row in rows[:MOST_MISSED]:
+        low, high = (number(end) for end in row.claim.accept)
+        why = "; ".join(row.troubles) or f"measured {_measured(row)}, accepted [{low}, {high}]"
+        typer.echo(f"FAILED {paper} {row.claim.id}: {why}")
+    if len(rows) > MOST_MISSED:
+        typer.echo(f"FAILED {len(rows) - MOST_MISSED} more; --verbose prints all")
 
 
 def columns(rows: Sequence[Sequence[str]]) -> None:
@@ -130,14 +176,18 @@ def progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], No
     task: Any = None
 
     def report(fraction: float) -> None:
-        nonlocal bar, task
+        nonlocal bar, task, patience
         if bar is None:
             if time.monotonic() - started < patience or not sys.stderr.isatty():
                 return
             from rich.console import Console
             from rich.progress import Progress
 
-            bar = Progress(console=Console(stderr=True), transient=True)
+            console = Console(stderr=True)
+            if not console.is_interactive:  # a terminal that cannot move its cursor: rich would print lines
+                patience = math.inf
+                return
+            bar = Progress(console=console, transient=True)
             task = bar.add_task(label, total=1.0)
             bar.start()
         bar.update(task, completed=fraction)
@@ -262,8 +312,11 @@ __all__ = [
     "component",
     "design",
     "designs",
+    "missed",
     "names",
     "progress",
     "reproduction",
+    "reproductions",
     "run",
+    "tally",
 ]

@@ -1,47 +1,26 @@
 # SPDX-License-Identifier: MIT
-"""A static page for a reproduction: published against measured, with the figures. One file, no scripts, no network."""
+"""The report of studies: what was published, what is measured, and why.
+
+Page: docs/pages.md
+"""
 
 from __future__ import annotations
 
-import base64
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from html import escape
-from itertools import groupby
 from pathlib import Path
 
 from gyrostat._core import __version__
 from gyrostat.files import writable_folder, write_text
-from gyrostat.papers import EnsembleFigure, Evaluation, Paper, Reproduction
-
-_style = """
-:root { color-scheme: light; --line: #dfe3e8; --soft: #f6f8fa; --text: #1f2933; --dim: #5f6b7a }
-* { box-sizing: border-box }
-body { margin: 0 auto; max-width: 70rem; padding: 1.5rem 1rem 4rem; color: var(--text); background: #fff;
-       font: 16px/1.55 system-ui, -apple-system, "Segoe UI", sans-serif }
-h1 { font-size: 1.7rem; margin: 0 0 .3rem }
-h2 { margin: 2.5rem 0 .3rem; font-size: 1.35rem } h3 { margin: 2rem 0 .6rem }
-p { max-width: 46rem } .dim { color: var(--dim) } nav a { margin-right: 1rem }
-.wide { overflow-x: auto; border: 1px solid var(--line); border-radius: 8px }
-table { border-collapse: collapse; width: 100%; font-size: .87rem }
-th, td { padding: .45rem .7rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line) }
-tr:last-child td { border-bottom: 0 }
-th { background: var(--soft); white-space: nowrap } td.n { font-variant-numeric: tabular-nums; white-space: nowrap }
-td.what { min-width: 14rem } td code { white-space: nowrap }
-code { font: .85em ui-monospace, Menlo, Consolas, monospace }
-.tag { display: inline-block; padding: .05rem .5rem; border-radius: 99px; font-size: .8rem; white-space: nowrap }
-.good { background: #e3f4e6; color: #14632b } .bad { background: #fde5e5; color: #9b1c1c }
-.warn { background: #fdf1d7; color: #7a4b00 } .none { background: #e9edf2; color: #3e4c59 }
-figure { margin: 1.2rem 0 }
-figure img { max-width: 100%; height: auto; border: 1px solid var(--line); border-radius: 8px }
-figcaption { font-size: .9rem; color: var(--dim) }
-"""
-
-_verdict_colors = {"reproduces": "good", "does not reproduce": "warn", "not measured": "bad"}
+from gyrostat.page import study
+from gyrostat.page.picture import script
+from gyrostat.page.writer import GENERATOR, asset, filled, page_path
+from gyrostat.papers import EnsembleFigure, Reproduction
 
 
-def write_report(folder: Path, reproductions: Iterable[Reproduction]) -> Path:
-    """Write ``index.html`` with everything in it, and beside it each study's claims, figures and their data.
+def write_report(folder: Path, reproductions: Iterable[Reproduction], *, with_data: bool = False) -> Path:
+    """Write ``index.html``, and beside it each study's claims, its cases as TOML, and its figures.
 
     Parameters
     ----------
@@ -49,167 +28,77 @@ def write_report(folder: Path, reproductions: Iterable[Reproduction]) -> Path:
         Where to; made if it is not there.
     reproductions
         The studies, in the order of the page. Taken one by one: an iterator holds the results of one study at a time.
+    with_data
+        Write what the figures draw beside them, too, in full (``.npz``).
 
     Returns
     -------
     Path
         The page to open.
+
+    Raises
+    ------
+    InputError
+        Something else is there, or nothing can be written.
     """
-    told, sections = [], []
+    target = page_path(folder)
+    told = []
     for reproduction in reproductions:
-        sections.append(_section(writable_folder(folder / reproduction.paper.id), reproduction))
-        told.append(reproduction.without_results())
+        panels = _write_files(writable_folder(folder / reproduction.paper.id), reproduction, with_data=with_data)
+        told.append(study.Study.of(reproduction, panels, with_data=with_data))
         del reproduction  # before the next one flies
-    page = folder / "index.html"
-    write_text(page, _page(told, sections))
-    return page
+    write_text(target, _page(told))
+    return target
 
 
-def _section(folder: Path, reproduction: Reproduction) -> str:
-    paper = reproduction.paper
-    write_text(folder / "claims.json", json.dumps(reproduction.to_dict(), indent=2) + "\n")
-    for ensemble in reproduction.ensembles.values():
+def _write_files(folder: Path, found: Reproduction, *, with_data: bool) -> dict[str, int]:
+    """What lies beside the page; the number of panels of each figure."""
+    paper = found.paper
+    write_text(folder / "claims.json", json.dumps(found.to_dict(), indent=2) + "\n")
+    for case in paper.cases.values():
+        case.scenario.to_toml(folder / f"{case.id}.toml")
+    for campaign in paper.campaigns.values():
+        campaign.scenario.to_toml(folder / f"{campaign.id}.toml")
+    for ensemble in found.ensembles.values():
         write_text(folder / f"{ensemble.campaign.id}.csv", ensemble.to_csv())
-    figures = []
+    panels = {}
     for figure in paper.figures:
-        drawn = (
-            figure.draw(reproduction.ensembles)
-            if isinstance(figure, EnsembleFigure)
-            else figure.draw(reproduction.results)
-        )
-        picture = drawn.save(folder / f"{figure.name}.png")
-        data = base64.b64encode(picture.read_bytes()).decode()
-        figures.append(
-            f'<figure id="{escape(paper.id)}-{escape(figure.name)}"><img alt="{escape(figure.caption)}" '
-            f'src="data:image/png;base64,{data}"><figcaption>{escape(figure.caption)} Data: '
-            f"<code>{escape(paper.id)}/{escape(figure.name)}.npz</code></figcaption></figure>"
-        )
-    name = escape(paper.id)
-    links = [("figures", "figures")] if figures else []
-    links += [("claims", "published and measured"), ("cases", "cases")]
-    return "\n".join(
-        [
-            f'<h2 id="{name}">{escape(paper.title)}</h2>',
-            f'<p class="dim">{escape(paper.citation)}</p>',
-            f"<p>{_summary(reproduction)}</p>",
-            "<nav>" + " ".join(f'<a href="#{name}-{key}">{text}</a>' for key, text in links) + "</nav>",
-            f'<h3 id="{name}-figures">Figures</h3>' if figures else "",
-            *figures,
-            f'<h3 id="{name}-claims">Published and measured</h3>',
-            _claims(reproduction.evaluations),
-            f'<h3 id="{name}-cases">Cases</h3>',
-            _table(
-                ("case", "what", "integrator", "period (s)", "duration (s)", "ended"), _case_rows(paper, reproduction)
-            ),
-        ]
+        drawn = figure.draw(found.ensembles) if isinstance(figure, EnsembleFigure) else figure.draw(found.results)
+        if with_data:
+            drawn.save_data(folder / f"{figure.name}.npz")
+        write_text(folder / f"{figure.name}.js", script(f"{paper.id}/{figure.name}", drawn))
+        panels[figure.name] = len(drawn.axes)
+    return panels
+
+
+def _page(studies: list[study.Study]) -> str:
+    links = "".join(f'<a href="#{escape(s.paper.id)}">{escape(s.paper.id)}</a>' for s in studies)
+    surprising = study.findings(studies)
+    blocks = [
+        '<nav id="tools"><a href="#top">overview</a>' + links + '<input id="search" type="search" '
+        'placeholder="search claims" aria-label="Search claims"><select id="filter" aria-label="Show claims">'
+        '<option value="">all claims</option><option value="fails">does not hold</option>'
+        '<option value="holds">holds</option><option value="open">cannot be said</option>'
+        '<option value="missed">not accepted</option></select><span id="found" class="dim"></span></nav>',
+        study.overview(studies),
+        f'<section id="surprises"><h2>Most surprising</h2>{surprising}</section>' if surprising else "",
+        *(study.section(s) for s in studies),
+    ]
+    return filled(
+        asset("plain.html"),
+        {
+            "generator": f"{GENERATOR} {__version__}",
+            "version": escape(__version__),
+            "title": "Published and measured",
+            "description": "Published methods flown again. A claim is accepted when its number lies in the range that "
+            "was set for it; what the publication states is judged apart, so an accepted claim can show that a "
+            "statement does not hold. Every number comes from the runs of this report and opens how to repeat it.",
+            "style": "".join(asset(f"{name}.css") for name in ("page", "plain", "figure", "report")),
+            "chips": "",
+            "blocks": "\n".join(blocks),
+            "script": "".join(asset(f"{name}.js") for name in ("theme", "figure", "report", "plain")),
+        },
     )
 
 
-def _page(reproductions: Sequence[Reproduction], sections: Sequence[str]) -> str:
-    links = " ".join(f'<a href="#{escape(r.paper.id)}">{escape(r.paper.id)}</a>' for r in reproductions)
-    return f"""<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>gyrostat: published and measured</title>
-<style>{_style}</style>
-<h1>Published and measured</h1>
-<p class="dim">gyrostat {escape(__version__)}. A claim is accepted when the measured value lies in the stated range;
-each paper's page says where its ranges come from. The published statement is judged apart from that, so an accepted
-claim can show that a statement does not hold. Every number comes from the runs of this report.</p>
-<nav>{links}</nav>
-{"".join(sections)}
-</html>
-"""
-
-
-def _summary(reproduction: Reproduction) -> str:
-    claims = reproduction.evaluations
-    stated = [e for e in claims if e.claim.reported is not None]
-    held = sum(e.verdict == "reproduces" for e in stated)
-    text = f"{len(claims) - reproduction.failed} of {len(claims)} claims accepted."
-    if stated:
-        text += f" What the publication states holds in {held} of {len(stated)} comparisons."
-    return text
-
-
-def _claims(evaluations: Sequence[Evaluation]) -> str:
-    """One block a quantity, with a row for each case that it was measured on."""
-    rows = []
-    for name, group in groupby(evaluations, key=lambda e: e.claim.id.partition("@")[0]):
-        members = list(group)
-        claim = members[0].claim
-        note = f'<br><span class="dim">{escape(claim.note)}</span>' if claim.note else ""
-        quantity = f"{escape(claim.quantity)}{note}<br><code>{escape(name)}</code>"
-        first = f'<td class="what" rowspan="{len(members)}">{quantity}</td>'
-        for position, evaluation in enumerate(members):
-            rows.append(f"<tr>{first if position == 0 else ''}{_claim_cells(evaluation)}</tr>")
-    head = ("quantity", "case", "published", "measured", "accepted", "published statement", "")
-    return _frame(head, rows)
-
-
-def _claim_cells(evaluation: Evaluation) -> str:
-    claim = evaluation.claim
-    trouble = "" if evaluation.measured is not None else f"<br>{escape(evaluation.note)}"
-    cells = [
-        f"<code>{escape(claim.case)}</code>{trouble}",
-        escape(number(claim.published)),
-        escape(number(evaluation.measured)),
-        escape(f"{number(claim.accept[0])} … {number(claim.accept[1])}"),
-        _tag(evaluation.verdict, _verdict_colors.get(evaluation.verdict, "none")),
-        _tag("accepted", "good") if evaluation.ok else _tag("not accepted", "bad"),
-    ]
-    return _cells(cells)
-
-
-def _case_rows(paper: Paper, reproduction: Reproduction) -> list[list[str]]:
-    return [
-        [
-            f"<code>{escape(case.id)}</code>",
-            escape(case.title),
-            escape(case.integrator),
-            number(case.scenario.dt),
-            number(case.scenario.duration),
-            escape(reproduction.endings.get(case.id, "as planned")),
-        ]
-        for case in paper.cases.values()
-    ] + [
-        [
-            f"<code>{escape(c.id)}</code>",
-            f"{escape(c.title)} ({c.runs} runs, seed {c.seed}; each in <code>{escape(c.id)}.csv</code>)",
-            escape(str(c.scenario.resolve()["integrator"]["type"])),
-            number(c.scenario.dt),
-            number(c.scenario.duration),
-            "as planned",
-        ]
-        for c in paper.campaigns.values()
-    ]
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    return _frame(head, [f"<tr>{_cells(row)}</tr>" for row in rows])
-
-
-def _frame(head: Sequence[str], rows: Sequence[str]) -> str:
-    header = "".join(f"<th>{h}</th>" for h in head)
-    body = "\n".join(rows)
-    return f'<div class="wide"><table><thead><tr>{header}</tr></thead><tbody>\n{body}\n</tbody></table></div>'
-
-
-def _cells(cells: Sequence[str]) -> str:
-    return "".join(f'<td class="n">{c}</td>' if _is_number(c) else f"<td>{c}</td>" for c in cells)
-
-
-def number(value: float | str | None) -> str:
-    """A number with three digits; a dash when there is none."""
-    if value is None:
-        return "–"
-    return value if isinstance(value, str) else f"{value:.3g}"
-
-
-def _tag(text: str, color: str) -> str:
-    return f'<span class="tag {color}">{escape(text)}</span>'
-
-
-def _is_number(text: str) -> bool:
-    return bool(text) and (text[0].isdigit() or text[0] in "-–") and len(text) < 24
+__all__ = ["write_report"]

@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
-from gyrostat import _core
+from gyrostat import _core, toml
+from gyrostat.errors import InputError
+from gyrostat.files import file_errors, write_text
 from gyrostat.scenario import Record, Scenario, Shadow
 
 _number = {"type": "number"}
@@ -60,6 +65,41 @@ def scenario_schema() -> dict[str, Any]:
         **_closed(properties, [k for k, f in Scenario.model_fields.items() if f.is_required()]),
         "$defs": {family: _family(family) for family in families},
     }
+
+
+def schema_text() -> str:
+    """The schema as a file holds it."""
+    return json.dumps(scenario_schema(), indent=2, default=str) + "\n"
+
+
+SCHEMA_FILE = "gyrostat.schema.json"
+
+
+def install_schema(file: Path) -> Path:
+    """Write the schema beside a scenario file, and the line ``#:schema ./...`` into it, by which editors find it.
+
+    Returns
+    -------
+    Path
+        The schema.
+
+    Raises
+    ------
+    InputError
+        The file is none of ours (not read as TOML, nothing is written), or cannot be written.
+    """
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: a scenario's file ends in .toml")
+    toml.read(file)
+    with file_errors(file, "cannot be read"):
+        text = file.read_text(encoding="utf-8")
+    line = f"#:schema ./{SCHEMA_FILE}\n"
+    rest = re.sub(r"^#:schema [^\n]*\n", "", text, flags=re.MULTILINE)
+    target = file.parent / SCHEMA_FILE
+    write_text(target, schema_text())
+    if line + rest != text:
+        write_text(file, line + rest)
+    return target
 
 
 def _family(family: str) -> dict[str, Any]:

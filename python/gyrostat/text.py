@@ -37,6 +37,13 @@ def one_line(text: str) -> str:
     return line if len(line) <= LONGEST else f"{line[:half]} ... {line[-half:]}"
 
 
+def number(value: float | str | None) -> str:
+    """A number with three digits; a dash when there is none, a text as it is."""
+    if value is None:
+        return "–"
+    return value if isinstance(value, str) else f"{value:.3g}"
+
+
 class _Short(reprlib.Repr):
     def __init__(self) -> None:
         super().__init__()
@@ -57,4 +64,4 @@ def shown(value: Any) -> str:
     return printable(_short.repr(value))
 
 
-__all__ = ["LONGEST", "one_line", "printable", "shown", "unescaped"]
+__all__ = ["LONGEST", "number", "one_line", "printable", "shown", "unescaped"]

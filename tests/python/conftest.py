@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,9 @@ from hypothesis import settings
 from numpy.typing import NDArray
 
 import gyrostat as gs
+
+if TYPE_CHECKING:
+    from selenium import webdriver
 
 # Fixed examples in every run; no deadline, machines are shared.
 settings.register_profile("gyrostat", derandomize=True, deadline=None)
@@ -75,7 +79,7 @@ def report(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     """What ``gyrostat reproduce --out`` leaves for the module's ``PAPER``, with its JSON output in ``out.json``."""
     folder = tmp_path_factory.mktemp("report")
     start = "from gyrostat.cli import main; main()"
-    command = [sys.executable, "-c", start, "reproduce", request.module.PAPER, "--json", "--out", str(folder)]
+    command = [sys.executable, "-c", start, "reproduce", request.module.PAPER, "--json", "--data", "--out", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     (folder / "out.json").write_text(done.stdout)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr
@@ -86,3 +90,34 @@ def report(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 def claims(report: Path) -> dict[str, Any]:
     """What ``--json`` printed."""
     return json.loads((report / "out.json").read_text())
+
+
+_flags = (
+    "headless",
+    "no-sandbox",
+    "disable-gpu",
+    "disable-quic",
+    "no-first-run",
+    "disable-background-networking",
+    "disable-component-update",
+    "disable-sync",
+    "window-size=1400,1000",
+)
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[webdriver.Chrome]:
+    """Debian's Chromium; it logs what a page complains about."""
+    from selenium import webdriver
+
+    browser, remote = shutil.which("chromium"), shutil.which("chromedriver")
+    if browser is None or remote is None:
+        pytest.fail("these tests need a browser: apt-get install chromium chromium-driver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = browser
+    for flag in (*_flags, f"user-data-dir={tmp_path_factory.mktemp('chromium')}"):
+        options.add_argument(f"--{flag}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    chrome = webdriver.Chrome(options=options, service=webdriver.ChromeService(remote))
+    yield chrome
+    chrome.quit()

@@ -248,7 +248,9 @@ def test_check_gives_every_condition_with_its_number_and_draws_the_figures(tmp_p
     assert findings["error at rest"]["value"] == pytest.approx(0.01768, abs=1e-5)
     assert findings["published theorem"]["value"] == -208.0
     assert findings["feasible_time"]["limit"] == pytest.approx(1.4508, rel=1e-3)
+    page = (tmp_path / "index.html").read_text()
     for name in ("response", "gain_region"):
+        assert f'gyrostat.draw("{name}"' in page
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
         with np.load(tmp_path / f"{name}.npz") as data:
             assert len(data.files) > 3

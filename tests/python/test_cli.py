@@ -154,7 +154,6 @@ def test_set_takes_numbers_words_and_lists() -> None:
         (["reproduce", "nobody1900"], ["no paper 'nobody1900'"]),
         (["export", "ftc_4rw", "--target", "rust", "--out", "new"], ["no target 'rust'", "cpp"]),
         (["export", "ftc_4rw", "--target", "c"], ["Missing option", "--out"]),
-        (["check", "ftc_4rw", "--out", "new"], ["nothing to draw", "learning_disturbance"]),
         (["check", "ftc_4rw", "--torque", "0", "nan", "1"], ["--torque 0.0 nan 1.0", "finite"]),
         (["check", "ftc_4rw", "--effectiveness", "1", "0.5"], ["--effectiveness 1 0.5", "lower end"]),
         (["fly"], ["No such command 'fly'"]),

@@ -384,6 +384,9 @@ def test_the_shipped_slew_ends_where_it_should_with_a_locked_gimbal() -> None:
 def test_check_looks_at_gimbals_against_the_period() -> None:
     scenario = gs.Scenario.load("agile_cmg")
     assert [f.ok for f in cmg.findings(scenario)] == [True]
+    (_, other) = cmg.findings(scenario.replace(allocator=None))
+    assert other.ok is None
+    assert "pseudo_inverse gives up an axis that is weak" in other.text
     slow = {f.name: f for f in cmg.findings(healthy())}
     assert slow["rate_max"].ok is None
     assert "0.5 rad in a sample" in slow["rate_max"].text

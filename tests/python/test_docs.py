@@ -276,14 +276,30 @@ def test_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "toml")], ids=name)
 def test_toml_examples_are_valid(page: Path) -> None:
-    """A whole scenario and a campaign stand alone; a part is put into the reference scenario."""
+    """A whole scenario and a campaign stand alone; a part is put into the reference scenario, or a shipped one."""
     for text in blocks(page, "toml"):
         tables = tomllib.loads(text)
         if "base" in tables:
             gs.Campaign.from_dict(tables)
             continue
         whole = {"vehicle", "duration", "dt"} <= set(tables)
-        gs.Scenario.from_dict(tables if whole else merged(gs.Scenario.load("ftc_4rw").to_dict(), tables))
+        if whole:
+            gs.Scenario.from_dict(tables)
+        else:
+            put_somewhere(tables)
+
+
+def put_somewhere(part: dict[str, Any]) -> None:
+    """Into one of the vehicles that are there: parts of an orbit, of thrusters or of gyros need one that has them."""
+    refused = []
+    for case in ("ftc_4rw", "cubesat_6u", "twelve_thrusters", "agile_cmg"):
+        try:
+            gs.Scenario.from_dict(merged(gs.Scenario.load(case).to_dict(), part))
+        except gs.InputError as error:
+            refused.append(f"{case}: {error}")
+        else:
+            return
+    pytest.fail("\n".join(refused))
 
 
 def merged(base: dict[str, Any], part: dict[str, Any]) -> dict[str, Any]:

@@ -56,7 +56,7 @@ def test_the_report_has_every_figure_with_its_data(report: Path) -> None:
     assert "http" not in page, "self-contained"
     for name in names:
         assert f'id="li2018-{name}"' in page
-        assert (report / "li2018" / f"{name}.png").stat().st_size > 10_000
+        assert (report / "li2018" / f"{name}.js").stat().st_size > 400
         found = data(report, name)
         clocks = [n for n in found if n.split(" of ")[0] in ("t", "period", "effectiveness")]
         lengths = {len(found[c]) for c in clocks}

@@ -40,6 +40,16 @@ def test_every_public_name_is_there(name: str) -> None:
     assert getattr(gs, name) is not None
 
 
+def test_the_import_takes_little_memory() -> None:
+    """At most 60 MB, the scenarios and results that people import it for included."""
+    program = (
+        "import resource, gyrostat; gyrostat.Scenario, gyrostat.Result;"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"  # kB
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert int(done.stdout) <= 60_000
+
+
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'scenaro'"):
         _ = gs.scenaro

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import csv
 import importlib.util
-import json
 import sys
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
@@ -16,7 +15,6 @@ import pytest
 
 import gyrostat as gs
 from gyrostat import papers
-from gyrostat.report import write_report
 
 CLAIMS = """
 title = "A study of one wheel"
@@ -148,23 +146,6 @@ def test_claims_are_measured_and_judged(study: Path) -> None:
     assert fractions[-1] == 1.0
 
 
-def test_the_report_holds_every_claim_and_figure_in_one_file(study: Path, tmp_path: Path) -> None:
-    reproduction = papers.reproduce(papers.load(str(study)))
-    page = write_report(tmp_path / "report", [reproduction])
-    text = page.read_text()
-    for e in reproduction.evaluations:
-        name, _, case = e.claim.id.partition("@")
-        assert f"<code>{name}</code>" in text
-        assert not case or f"<code>{case}</code>" in text
-    assert "data:image/png;base64," in text
-    assert "http" not in text, "self-contained"
-    folder = tmp_path / "report" / "one_wheel"
-    assert sorted(p.name for p in folder.iterdir()) == ["claims.json", "fig1.npz", "fig1.png"]
-    assert json.loads((folder / "claims.json").read_text()) == reproduction.to_dict()
-    with np.load(folder / "fig1.npz") as data:
-        np.testing.assert_array_equal(data["error degraded"], reproduction.results["degraded"]["error.angle"])
-
-
 def test_a_case_starts_from_an_earlier_one_with_its_changes(study: Path) -> None:
     cases = papers.load(str(study)).cases
     healthy, heavy = cases["healthy"].scenario, cases["heavy"].scenario
@@ -193,6 +174,7 @@ def test_seeds_make_cases(study: Path) -> None:
     cases = papers.load(str(study)).cases
     assert list(cases) == ["degraded", "healthy", "heavy", "heavy_2", "heavy_3", "watched", "watched_5", "unwatched"]
     assert cases["heavy_2"].title == f"{cases['heavy'].title}, seed 2"
+    assert (cases["heavy"].repeats, cases["heavy_2"].repeats) == ("", "heavy")
     assert cases["heavy_2"].scenario == cases["heavy"].scenario.replace(seed=2)
 
 

@@ -36,4 +36,9 @@ def findings(scenario: Scenario) -> list[Finding]:
     if turn > LARGEST_TURN:
         text = f"{turn:.3g} rad in a sample: above {LARGEST_TURN:g} axes move on while a command holds"
         found.append(Finding("cmg", "rate_max", text, None, turn, LARGEST_TURN))
+    allocator = scenario.allocator
+    steering = "pseudo_inverse" if allocator is None else getattr(allocator, "type", None)  # None: a Python object
+    if steering is not None and steering != "singularity_robust":
+        text = f"{steering} gives up an axis that is weak, and does not leave a singularity; singularity_robust does"
+        found.append(Finding("cmg", "allocator", text))
     return found

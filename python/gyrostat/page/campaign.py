@@ -71,16 +71,16 @@ def _page(rows: Rows, report: Report | None, against: str | None) -> str:
     about = str((found.manifest["campaign"] or {}).get("description", ""))
     body = "\n".join(f'<section id="{id_}"><h2>{title}</h2>{text}</section>' for id_, title, text in parts if text)
     return filled(
-        asset("campaign.html"),
+        asset("plain.html"),
         {
             "generator": f"{GENERATOR} {__version__}",
             "version": escape(__version__),
             "title": escape(name),
             "description": escape(about),
-            "style": asset("page.css") + asset("campaign.css"),
+            "style": asset("page.css") + asset("plain.css"),
             "chips": blocks.chips(rows, report),
             "blocks": body,
-            "script": asset("theme.js") + asset("campaign.js"),
+            "script": asset("theme.js") + asset("plain.js"),
         },
     )
 

@@ -55,6 +55,9 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
     study's own), the other keys of ``measure``, and those of a row that are no key of a claim, are its arguments.
     `signal` is a channel or one of the study's signals; ``column = 2`` picks a component. The size of a signal is its
     largest component, unless the metric says otherwise.
+    ``[story]`` says what was ``promised``, what is ``seen`` here and ``why``; each of ``[[findings]]`` has a
+    ``title``, a ``text`` and the ``claim`` to read on, the most surprising one first. ``{id}`` in them is the measured
+    number of a claim: none is written by hand.
     ``[campaigns.<id>]`` tables fly one case many times with sampled changes: `gyrostat.papers.campaigns`.
 ``signals.py`` (may be absent)
     ``SIGNALS: dict[str, Callable[[Result], ndarray]]``, quantities computed from channels, one row a sample; and
@@ -69,6 +72,7 @@ from __future__ import annotations
 
 from gyrostat.papers.campaigns import Campaign, Ensemble
 from gyrostat.papers.claims import Claim, Evaluation
+from gyrostat.papers.folding import ExperimentRows, Row, Tally, folded
 from gyrostat.papers.reproduction import Reproduction, reproduce
 from gyrostat.papers.study import Case, EnsembleFigure, Paper, PaperFigure, available, load
 
@@ -79,10 +83,14 @@ __all__ = [
     "Ensemble",
     "EnsembleFigure",
     "Evaluation",
+    "ExperimentRows",
     "Paper",
     "PaperFigure",
     "Reproduction",
+    "Row",
+    "Tally",
     "available",
+    "folded",
     "load",
     "reproduce",
 ]

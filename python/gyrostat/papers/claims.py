@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from fnmatch import fnmatchcase
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -15,6 +16,11 @@ from gyrostat.model import Model
 from gyrostat.papers.campaigns import ENSEMBLE_METRICS, Campaign, Ensemble
 from gyrostat.papers.measures import METRICS, Array, Measure, Metric
 from gyrostat.results import Result
+
+Statement = Literal["holds", "fails", "open"]
+"""What became of a statement of a publication; open: what was measured does not decide it."""
+
+_statements: dict[str, Statement] = {"reproduces": "holds", "does not reproduce": "fails"}
 
 
 class ClaimEntry(Model):
@@ -61,6 +67,10 @@ class Claim:
     measure: Measure
     note: str
 
+    def fits(self, pattern: str) -> bool:
+        """Whether a pattern names it, with or without its case: ``t1.*``."""
+        return any(fnmatchcase(name, pattern) for name in (self.id, self.id.partition("@")[0]))
+
     def evaluate(self, result: Result | Ensemble, results: Mapping[str, Result]) -> Evaluation:
         """Measure it on the result of its case."""
         measured, trouble = None, ""
@@ -71,7 +81,7 @@ class Claim:
                 trouble = f"measured {value}"
         except (KeyError, ValueError, IndexError) as error:
             trouble = f"not measured: {error.args[0] if error.args else error}"
-        return Evaluation(self, measured, "; ".join(part for part in (trouble, self.note) if part))
+        return Evaluation(self, measured, trouble)
 
 
 @dataclass(frozen=True)
@@ -80,7 +90,13 @@ class Evaluation:
 
     claim: Claim
     measured: float | None
-    note: str
+    trouble: str = ""
+    """Why nothing was measured."""
+
+    @property
+    def note(self) -> str:
+        """Why nothing was measured, and what a reader should know."""
+        return "; ".join(part for part in (self.trouble, self.claim.note) if part)
 
     @property
     def ok(self) -> bool:
@@ -95,6 +111,13 @@ class Evaluation:
         if self.claim.reported is None:
             return "measured only"
         return "reproduces" if _inside(self.measured, self.claim.reported) else "does not reproduce"
+
+    @property
+    def statement(self) -> Statement | None:
+        """The same for a table: None where the publication states nothing."""
+        if self.claim.reported is None and self.claim.published is None:
+            return None
+        return _statements.get(self.verdict, "open")
 
     def to_dict(self) -> dict[str, Any]:
         """As ``gyrostat reproduce --json`` prints it; null is an open end."""
@@ -186,4 +209,4 @@ def _inside(value: float | None, ends: tuple[float, float]) -> bool:
     return value is not None and ends[0] <= value <= ends[1]
 
 
-__all__ = ["Claim", "ClaimEntry", "Evaluation", "MeasurementEntry", "Subjects"]
+__all__ = ["Claim", "ClaimEntry", "Evaluation", "MeasurementEntry", "Statement", "Subjects"]

@@ -7,7 +7,7 @@ import fnmatch
 import importlib
 import importlib.util
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,6 +18,8 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.model import Model
 from gyrostat.papers.campaigns import Campaign, CampaignEntry, Ensemble, build
 from gyrostat.papers.claims import Claim, MeasurementEntry, Subjects
+from gyrostat.papers.story import Story, Surprise
+from gyrostat.papers.story import check as check_story
 from gyrostat.results import Result
 from gyrostat.scenario import Scenario
 
@@ -37,8 +39,8 @@ class CaseEntry(Model):
     seeds: Annotated[list[int], Field(default_factory=list)]
     keep: list[str] | None = None
 
-    def scenarios(self, folder: Path, key: str, earlier: Mapping[str, Scenario]) -> Iterator[tuple[str, str, Scenario]]:
-        """Identifier, title and scenario of the case, and of the same with each of its seeds."""
+    def members(self, folder: Path, key: str, earlier: Mapping[str, Scenario]) -> Iterator[Case]:
+        """The case, and the same with each of its seeds."""
         if self.like is None:
             base = Scenario.from_toml(folder / "scenarios" / f"{self.scenario or key}.toml")
         elif self.scenario is not None:
@@ -49,9 +51,9 @@ class CaseEntry(Model):
             base = earlier[self.like]
         scenario = base.replace(**self.set) if self.set else base
         title = self.title or scenario.description or key
-        yield key, title, scenario
+        yield Case(key, title, scenario)
         for seed in self.seeds:
-            yield f"{key}_{seed}", f"{title}, seed {seed}", scenario.replace(seed=seed)
+            yield Case(f"{key}_{seed}", f"{title}, seed {seed}", scenario.replace(seed=seed), key)
 
 
 class ClaimsFile(Model):
@@ -63,6 +65,8 @@ class ClaimsFile(Model):
     cases: dict[str, CaseEntry]
     campaigns: Annotated[dict[str, CampaignEntry], Field(default_factory=dict)]
     claims: list[MeasurementEntry]
+    story: Story | None = None
+    findings: Annotated[list[Surprise], Field(default_factory=list)]
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,8 @@ class Case:
     id: str
     title: str
     scenario: Scenario
+    repeats: str = ""
+    """The case that it is, with another seed."""
 
     @property
     def integrator(self) -> str:
@@ -110,6 +116,19 @@ class Paper:
     claims: tuple[Claim, ...]
     figures: tuple[PaperFigure | EnsembleFigure, ...]
     campaigns: Mapping[str, Campaign] = field(default_factory=dict)
+    story: Story | None = None
+    findings: tuple[Surprise, ...] = ()
+
+    def only(self, claims: Sequence[Claim]) -> Paper:
+        """The study with some of its claims, what flies for them, and no figures."""
+        needed = {c.case for c in claims} | {o for c in claims for o in c.measure.others}
+        return replace(
+            self,
+            cases={key: case for key, case in self.cases.items() if key in needed},
+            campaigns={key: campaign for key, campaign in self.campaigns.items() if key in needed},
+            claims=tuple(claims),
+            figures=(),
+        )
 
     def needed_later(self) -> set[str]:
         """Cases whose results figures or claims about two cases ask for."""
@@ -147,23 +166,25 @@ def load(name: str) -> Paper:
         for key, entry in entries.cases.items():
             with input_errors(f"case '{key}'"):
                 keep = keeps.get(entry.like or "") if entry.keep is None else entry.keep
-                for name_, title, scenario in entry.scenarios(folder, key, scenarios):
-                    if name_ in cases:
-                        raise InputError(f"there is a case '{name_}' already")
-                    scenarios[name_] = scenario
-                    keeps[name_] = keep
-                    cases[name_] = Case(name_, title, record.kept_by(scenario, keep))
+                for case in entry.members(folder, key, scenarios):
+                    if case.id in cases:
+                        raise InputError(f"there is a case '{case.id}' already")
+                    scenarios[case.id] = case.scenario
+                    keeps[case.id] = keep
+                    cases[case.id] = replace(case, scenario=record.kept_by(case.scenario, keep))
         record.check()
         campaigns = {key: _campaign(key, entry, scenarios, modules) for key, entry in entries.campaigns.items()}
         metrics, signals = (modules.attribute("signals", attribute, {}) for attribute in ("METRICS", "SIGNALS"))
         claims = Subjects(cases, campaigns, metrics, signals).claims(entries.claims)
+        check_story(entries.story, entries.findings, [c.id for c in claims])
         figures = tuple(modules.attribute("figures", "FIGURES", []))
         for figure in figures:
             if isinstance(figure, EnsembleFigure):
                 _known("campaign", figure.campaigns, campaigns)
             else:
                 _known("case", figure.cases, cases)
-    return Paper(folder.name, entries.title, entries.citation, cases, claims, figures, campaigns)
+    told = (entries.story, tuple(entries.findings))
+    return Paper(folder.name, entries.title, entries.citation, cases, claims, figures, campaigns, *told)
 
 
 def _is_study(folder: Path) -> bool:

@@ -188,13 +188,10 @@ ReferencePath::ReferencePath(ReferenceSpec spec, double dt, Surroundings around,
 // ---- pointing on an orbit -------------------------------------------------------------------------------------------
 
 void ReferencePath::point(const TwoVector& p) {
-  using D = TwoVector::Direction;
   if (!around_.orbit) refuse(where_, "needs an orbit");
   if (!(p.axis.norm() > 1e-9)) refuse(where_, "axis is zero and names no direction");
   if (!(p.axis.normalized().cross(p.second_axis).norm() > 1e-3 * p.second_axis.norm()))  // NaN and zero too
     refuse(where_, "axis and second_axis are one direction; two belong here");
-  if ((p.first == D::site || p.second == D::site) && !p.given())
-    refuse(where_, "latitude and longitude of the site are missing");
   two_vector_ = p;
 }
 

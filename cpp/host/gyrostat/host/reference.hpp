@@ -158,7 +158,6 @@ struct Site {
           Field{"longitude", "rad", -full_turn, full_turn, "of the site, to the east of Greenwich", "degrees"});
     field(p.altitude, Field{"altitude", "m", -1e5, 1e5, "of the site above the sphere"});
   }
-  bool given() const noexcept { return latitude == latitude && longitude == longitude; }
 };
 
 /// Which axes of the reference go with the two directions.
@@ -197,7 +196,8 @@ struct TwoVector : Site, PointingAxes {
   enum class Direction : std::uint8_t { nadir, zenith, velocity, orbit_normal, sun, site };
   Direction first = Direction::nadir, second = Direction::velocity;
 
-  TwoVector() : PointingAxes{{0, 0, 1}, {1, 0, 0}} {}
+  /// The site, which only the direction of that name needs, is where the meridian of Greenwich meets the equator.
+  TwoVector() : PointingAxes{{0, 0, 1}, {1, 0, 0}} { latitude = longitude = 0; }
 
   static constexpr void describe(auto& p, auto&& field) {
     constexpr const char* directions = "nadir|zenith|velocity|orbit_normal|sun|site";
