@@ -53,8 +53,10 @@ result.plot("error.angle", "allocation.u", "estimate.d_B")
 for torque in (0.02, 0.1, 0.15):
     stuck = gs.faults.Stuck(actuator=2, t_on=60.0, torque=torque)
     worse = scenario.replace(faults=[stuck]).run(channels=["error.angle"])
-    print(f"wheel 2 stuck at {torque:.2f} N m: {worse.metrics.peak_error_after_fault * 57.3:.2g} deg at worst, "
-          f"{worse.metrics.pointing_error * 57.3:.2g} deg at the end")
+    print(
+        f"wheel 2 stuck at {torque:.2f} N m: {worse.metrics.peak_error_after_fault * 57.3:.2g} deg at worst, "
+        f"{worse.metrics.pointing_error * 57.3:.2g} deg at the end"
+    )
 
 # %% [markdown]
 # And with a law that does not look for what is missing:
