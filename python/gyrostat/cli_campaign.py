@@ -172,13 +172,21 @@ def report(
 
     It has failures with intervals, quantiles, cells run by run, failure rates by severity and onset, distributions,
     what matters, the worst ten with the command that flies each again, how flights ended, and what all of it rests on.
-    The page of a folder of `gyrostat verify` has the verdict on top, and its evidence against runs.
+    The page of a folder of `gyrostat verify` has the verdict on top, and its evidence against runs; that of a folder of
+    `gyrostat rare` its levels and replicates.
 
     Examples: `gyrostat report flown`, `gyrostat report five --against recommended --out five.html`
     """
     from gyrostat.campaign import CampaignResult
+    from gyrostat.page.campaign import write_rare_page
+    from gyrostat.verification.searched import Searched
 
-    page = CampaignResult(folder).to_html(folder / "report.html" if out is None else out, against)
+    path = folder / "report.html" if out is None else out
+    searched = Searched.read(folder)
+    if searched is not None and not (folder / "manifest.json").exists():
+        page = write_rare_page(path, folder, searched)
+    else:
+        page = CampaignResult(folder).to_html(path, against)
     typer.echo(f"page: {page}")
 
 

@@ -35,7 +35,12 @@ def register(app: typer.Typer) -> None:
 
 
 def verify(
-    requirement: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A campaign and requirements on it.")],
+    requirement: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE", help="A TOML file that names a campaign and requirements on it, or a shipped one."
+        ),
+    ],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the campaign: a new one, or one to go on with.")],
     *,
     runs: Annotated[int | None, typer.Option(min=1, help="At most, instead of the file's max_runs.")] = None,
@@ -47,7 +52,7 @@ def verify(
     The verdict is that of looking after every run: it stays valid however often one looks, and the same command goes
     on. Exit status 0 PASS, 1 FAIL, 4 UNDECIDED.
 
-    Example: `gyrostat verify requirement.toml --out flown`
+    Examples: `gyrostat verify requirement.toml --out flown`, `gyrostat verify pointing_ftc --out ftc`
     """
     from gyrostat.campaign import printing as show
     from gyrostat.verification.requirements import verify as judge
@@ -85,6 +90,7 @@ def rare(
     """
     from gyrostat.campaign import Campaign
     from gyrostat.verification import flown
+    from gyrostat.verification.searched import to_dict
 
     loaded = Campaign.load(campaign)
     search = partial(flown.rare, loaded, cell=cell, seed=seed, population=population, replicates=replicates, jobs=jobs)
@@ -95,10 +101,14 @@ def rare(
         with made_folder(out):
             found = search(out=out)
             written = _written(
-                out, [(f"lost{i}", flown.scenario(loaded, f.z, f.number, cell)) for i, f in enumerate(found.lost)]
+                out,
+                [
+                    (f"lost{i}", flown.scenario(loaded, f.z, f.number, cell, f.versions))
+                    for i, f in enumerate(found.lost)
+                ],
             )
     if as_json:
-        printing.as_json(_rare(found, written))
+        printing.as_json(to_dict(found) | {"again": written})
     else:
         _print_rare(found, written)
     if found.status != "converged":
@@ -325,24 +335,6 @@ def _print_rare(found: Rare, written: Sequence[str]) -> None:
     if written:
         typer.echo("likeliest lost flights:")
         _lines(written)
-
-
-def _rare(found: Rare, written: Sequence[str]) -> dict[str, Any]:
-    def number(x: float) -> float | None:
-        return x if math.isfinite(x) else None
-
-    return {
-        "status": found.status,
-        "probability": number(found.probability),
-        "interval": [number(x) for x in found.interval],
-        "bound": found.bound,
-        "replicates": found.replicates.tolist(),
-        "levels": [{k: number(v) for k, v in vars(x).items()} for x in found.levels],
-        "population": found.population,
-        "flights": found.flights,
-        "lost": [{"z": f.z.tolist(), "margin": f.margin, "number": f.number} for f in found.lost],
-        "again": list(written),
-    }
 
 
 def _print_tuned(found: Tuned, chosen: Sequence[str], known: dict[str, float]) -> None:

@@ -78,6 +78,33 @@ def rows(text: str) -> list[list[str]]:
     return [[unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", line)] for line in lines]
 
 
+def test_a_search_for_rare_failures_is_on_the_page_of_its_campaign_and_has_one_of_its_own(tmp_path: Path) -> None:
+    made = campaign(success={"final": {"below": 0.9, "scale": "log"}})
+    found = made.run(64, out=tmp_path / "flown")
+    got = gs.rare(made, population=40, out=found.folder)
+    text = section(found.to_html(found.folder / "report.html").read_text(), "rare")
+    levels, replicates, lost = (
+        [r for r in rows(text) if len(r) == n and r[0] not in ("level", "replicate", "distance of the inputs")]
+        for n in (5, 2, 3)
+    )
+    assert [r[1] for r in levels] == [f"{x.margin:.4g}" for x in got.levels]
+    assert [r[1] for r in replicates] == [f"{p:.3g}" for p in got.replicates]
+    assert [r[1] for r in lost] == [f"{f.margin:.3g}" for f in got.lost]
+    assert f"{got.flights} flights" in text
+    gs.rare(campaign(seed=8, success={"final": {"below": 0.9, "scale": "log"}}), population=40, out=tmp_path)
+    done = CliRunner().invoke(app, ["report", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    alone = (tmp_path / "report.html").read_text()
+    assert section(alone, "rare")
+    assert "http" not in alone
+    (tmp_path / "rare.json").rename(found.folder / "rare.json")  # of another campaign: it has no place there
+    assert 'id="rare"' not in found.to_html(found.folder / "report.html").read_text()
+    for spoilt in ("", "[]", '{"status": "converged"}', "\x00"):
+        (found.folder / "rare.json").write_text(spoilt)
+        with pytest.raises(gs.InputError, match=r"rare\.json: is not what gyrostat rare wrote; call it again"):
+            found.to_html(found.folder / "report.html")
+
+
 def test_one_small_file_that_asks_for_nothing(page: str, flown: gs.CampaignResult) -> None:
     assert 20_000 < len(page.encode()) < 1_000_000
     assert not re.search(r"(?:src|href)=\"(?!data:)", page)

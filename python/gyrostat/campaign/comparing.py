@@ -65,9 +65,13 @@ def compare(found: CampaignResult, reference: str | None = None) -> list[Compari
 
 def _compared(label: str, ok: NDArray[np.bool_], base: NDArray[np.bool_]) -> Comparison:
     lost, saved = int(np.count_nonzero(~ok & base)), int(np.count_nonzero(ok & ~base))
-    p = 1.0 if lost + saved == 0 else float(stats.binomtest(lost, lost + saved).pvalue)
     failures = int(np.count_nonzero(~ok))
-    return Comparison(label, len(ok), failures, rate_interval(len(ok), failures), lost, saved, p)
+    return Comparison(label, len(ok), failures, rate_interval(len(ok), failures), lost, saved, mcnemar(lost, saved))
 
 
-__all__ = ["Comparison", "compare"]
+def mcnemar(lost: int, saved: int) -> float:
+    """Exact p, two-sided, that runs which one of two lost alone are as often lost as saved."""
+    return 1.0 if lost + saved == 0 else float(stats.binomtest(lost, lost + saved).pvalue)
+
+
+__all__ = ["Comparison", "compare", "mcnemar"]

@@ -50,6 +50,11 @@ VERIFIED = "requirements.json"
 """In a folder: what was verified."""
 
 
+def shipped() -> dict[str, Path]:
+    """Files of requirements that come with the package, by name."""
+    return {p.stem: p for p in sorted((Path(__file__).parent.parent / "requirements").glob("*.toml"))}
+
+
 class Bounds(Model):
     """Values of a measure that are failures; so is a missing value."""
 
@@ -158,8 +163,13 @@ class RequirementFile(Model):
         return self
 
     @classmethod
-    def load(cls, path: str | Path) -> RequirementFile:
-        """Read a TOML file; a campaign that is a file is looked for beside it. Messages name the file."""
+    def load(cls, name: str | Path) -> RequirementFile:
+        """Of a file, or shipped, by name. A campaign that is a file is looked for beside it. Messages name the file."""
+        path, known = Path(name), shipped()
+        if path.suffix != ".toml" and str(name) in known:
+            path = known[str(name)]
+        elif path.suffix != ".toml" and not path.exists():
+            raise InputError(f"no requirements '{name}'{suggestion(str(name), known)}")
         tables = toml.read(Path(path))
         with input_errors(str(path)):
             read = cls(**tables)
@@ -444,6 +454,7 @@ __all__ = [
     "Requirement",
     "RequirementFile",
     "draw_evidence",
+    "shipped",
     "verified",
     "verify",
 ]

@@ -313,6 +313,8 @@ def rate_interval(runs: int, failures: int, alpha: float = 0.05) -> tuple[float,
         Probability that the interval ever misses the true rate, at most.
     """
     n, S = runs, failures
+    if not 0 <= S <= n:
+        raise InputError(f"failures = {S}: from 0 to runs = {n} belongs here")
     if n == 0:
         return 0.0, 1.0
 

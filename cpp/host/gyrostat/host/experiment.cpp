@@ -96,7 +96,8 @@ struct Objects {
           const std::vector<std::string>& channels)
       : a(std::move(a_in)),
         plant(make_plant(a)),
-        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels),
+        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels,
+                a.run.noise_versions),
         reference(a.reference, a.setup.dt),
         parts(a, external) {}
 

@@ -312,7 +312,7 @@ namespace {
 RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalComponents& external,
                 const RunOptions& options) {
   truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(options.channels), a.setup.dt,
-                         a.setup.vehicle.wheels);
+                         a.setup.vehicle.wheels, a.run.noise_versions);
   ReferencePath reference(a.reference, a.setup.dt);
   FlightParts parts(a, external);
   std::optional<Recorder> recorder;
