@@ -252,6 +252,8 @@ def _rerun(report: Report, judgement: Judgement, run: int) -> str:
 
 
 def _print_report(report: Report) -> None:
+    from gyrostat.verification.requirements import in_words
+
     for j in report.judgements:
         v, r = j.verdict, j.requirement
         failures = f"{v.failures} failure{'' if v.failures == 1 else 's'}"
@@ -268,17 +270,13 @@ def _print_report(report: Report) -> None:
             typer.echo(f"  {100 * p.level:g} % of {p.of}: {low:.4g} to {high:.4g}, limit {p.at_most:.4g}")
         if j.needed is not None:
             typer.echo(
-                f"  runs still needed: {_needed(j.needed.median)} (10 to 90 %: {_needed(j.needed.low)} to "
-                f"{_needed(j.needed.high)}; {100 * j.needed.passing:.0f} % end in PASS)"
+                f"  runs still needed: {in_words(j.needed.median)} (10 to 90 %: {in_words(j.needed.low)} to "
+                f"{in_words(j.needed.high)}; {100 * j.needed.passing:.0f} % end in PASS)"
             )
         if j.dominant:
             typer.echo("  most of it from: " + ", ".join(f"{name} {100 * s:.0f} %" for name, s in j.dominant))
         _lines([_rerun(report, j, run) for run in j.failing])
     typer.echo(f"{report.outcome}: {report.runs} of at most {report.max_runs} runs in {report.folder}")
-
-
-def _needed(runs: float) -> str:
-    return f"{runs:.3g}" if math.isfinite(runs) else "more than max_runs"
 
 
 def _evidence(log: float) -> str:

@@ -20,7 +20,7 @@ from gyrostat.campaign.rows import Rows
 from gyrostat.campaign.sampled_faults import NONE
 from gyrostat.errors import InputError, suggestion
 from gyrostat.page.tables import table
-from gyrostat.verification.requirements import Report
+from gyrostat.verification.requirements import Report, in_words
 from gyrostat.verification.sequential import quantile_interval, rate_interval
 
 LEVELS = (0.5, 0.95, 0.99)
@@ -73,28 +73,26 @@ def verdict(report: Report) -> str:
         wanted = f"failures at most {v.limit:.3g}"
         if r.percentile is not None:
             wanted = f"{percent(r.percentile.level)} of {r.percentile.of} at most {r.percentile.at_most:.4g}"
-        needed = ""
-        if j.needed is not None:
-            needed = f"{j.needed.median:.3g}" if math.isfinite(j.needed.median) else "more than max_runs"
+        needed = "" if j.needed is None else in_words(j.needed.median)
         lines.append(
             [
                 j.name,
-                r.text,
-                f"{wanted}, confidence {r.confidence:g}",
                 f"{v.outcome} at run {v.runs}",
+                r.text,
                 str(v.failures),
                 f"{low:.3g} to {high:.3g}",
+                f"{wanted}, confidence {r.confidence:g}",
                 f"{_evidence(v.log_e_pass)} / {_evidence(v.log_e_fail)}",
                 needed,
             ]
         )
     head = (
         "requirement",
-        "says",
-        "wanted",
         "verdict",
+        "says",
         "failures",
         "probability",
+        "wanted",
         "evidence PASS / FAIL",
         "runs needed",
     )

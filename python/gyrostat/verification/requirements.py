@@ -291,7 +291,7 @@ def verify(
         if goal >= most or together(outcomes) != "UNDECIDED":
             break
         goal = min(most, goal + max(500, int(GROWTH * goal) // 500 * 500))
-    report = _reported(found, campaign, result, most)
+    report = _reported(found, campaign, result, most, wanted.max_runs)
     draw_evidence(report, folder / "evidence.png")
     told = {"file": wanted.model_dump(mode="json", exclude_none=True), "runs": goal, "max_runs": most}
     write_text(folder / VERIFIED, json.dumps(told, indent=1) + "\n")
@@ -318,11 +318,12 @@ def verified(result: CampaignResult) -> Report | None:
         except (ValueError, TypeError, KeyError):
             raise InputError("is not what gyrostat verify wrote; call it again") from None
         pairs = _pairs(file, result.campaign)
-    return _reported(_Failures.of(result, pairs, runs), result.campaign, result, most)
+    return _reported(_Failures.of(result, pairs, runs), result.campaign, result, most, file.max_runs)
 
 
-def _reported(found: _Failures, campaign: Campaign, result: CampaignResult, most: int) -> Report:
-    judgements = tuple(_judged(found, i, campaign, result, most) for i in range(len(found.pairs)))
+def _reported(found: _Failures, campaign: Campaign, result: CampaignResult, most: int, affordable: int) -> Report:
+    ahead = max(most, affordable)
+    judgements = tuple(_judged(found, i, campaign, result, ahead) for i in range(len(found.pairs)))
     outcome = together([j.verdict.outcome for j in judgements])
     return Report(outcome, judgements, found.runs, most, result.folder)
 
@@ -389,13 +390,13 @@ def _column(column: Any) -> NDArray[Any]:
     return np.asarray(values)
 
 
-def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult, most: int) -> Judgement:
+def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult, ahead: int) -> Judgement:
     requirement, cell, test = found.pairs[i]
     failures = found.failures[i]
     verdict = test.decide(failures, found.runs)
     needed = None
     if verdict.outcome == "UNDECIDED":
-        needed = test.still_needed(verdict.runs, verdict.failures, most=most)
+        needed = test.still_needed(verdict.runs, verdict.failures, most=ahead)
     measure = requirement.measures[0] if requirement.measures else next(iter(campaign.spec.success), None)
     quantile: tuple[float, float] | None = None
     dominant: tuple[tuple[str, float], ...] = ()
@@ -413,6 +414,11 @@ def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult
     evidence = test.evidence(failures, found.runs)
     named = tuple(failures[:LISTED].tolist())
     return Judgement(requirement, cell, verdict, needed, quantile, named, dominant, evidence)
+
+
+def in_words(needed: float) -> str:
+    """Runs that are still needed, to three digits."""
+    return f"{float(f'{needed:.3g}'):.0f}" if math.isfinite(needed) else "more than max_runs"
 
 
 def draw_evidence(report: Report, path: Path) -> None:
@@ -454,6 +460,7 @@ __all__ = [
     "Requirement",
     "RequirementFile",
     "draw_evidence",
+    "in_words",
     "shipped",
     "verified",
     "verify",
