@@ -18,7 +18,7 @@ SCRIPT = Path(__file__).parents[2] / "examples" / "05_campaign_on_slurm.sh"
 @pytest.mark.parametrize("tasks", [1, 3, 9])
 def test_a_job_array_flies_every_chunk_once(tasks: int, tmp_path: Path) -> None:
     tables = gs.Campaign.load("wheel_faults").to_dict()
-    campaign = gs.Campaign.from_dict(tables | {"set": tables["set"] | {"duration": 3.0, "dt": 0.1}})
+    campaign = gs.Campaign.from_dict(tables | {"set": tables["set"] | {"duration": 6.0, "dt": 0.1}})
     campaign.to_toml(tmp_path / "campaign.toml")
     command = tmp_path / "gyrostat"
     command.write_text(f'#!/bin/sh\nexec {sys.executable} -m gyrostat "$@"\n')
