@@ -128,6 +128,8 @@ def rerun(
 
     found = CampaignResult(folder)
     campaign = found.campaign
+    if not any(part.first <= run < part.end for part in found.parts()):
+        raise InputError(f"{folder}: run {run} was not flown here; {found.runs} were")
     scenario = campaign.scenario(run, cell)
     if out is not None:
         scenario.to_toml(out)

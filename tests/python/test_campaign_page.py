@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from html import unescape
 from pathlib import Path
@@ -233,9 +234,11 @@ def test_a_verdict_stands_on_top(tmp_path: Path) -> None:
     evidence = section(page, "evidence")
     assert evidence.count("<svg") == 2
     assert "1/α = 20" in evidence
-    (tmp_path / "flown" / "requirements.json").write_text("{}")
-    with pytest.raises(gs.InputError, match=r"requirements\.json: is not what gyrostat verify wrote"):
-        gs.CampaignResult(tmp_path / "flown").to_html(tmp_path / "other.html")
+    left = json.loads((tmp_path / "flown" / "requirements.json").read_text())
+    for spoilt in ({}, left | {"runs": 10**9, "max_runs": 10**9}, left | {"runs": 0}, left | {"runs": 1e999}):
+        (tmp_path / "flown" / "requirements.json").write_text(json.dumps(spoilt))
+        with pytest.raises(gs.InputError, match=r"requirements\.json: is not what gyrostat verify wrote"):
+            gs.CampaignResult(tmp_path / "flown").to_html(tmp_path / "other.html")
     assert not (tmp_path / "other.html").exists()
 
 

@@ -22,7 +22,7 @@ from gyrostat.campaign import chunks
 from gyrostat.campaign.catalogue import shipped
 from gyrostat.campaign.chunks import Chunk
 from gyrostat.campaign.distributions import Distribution
-from gyrostat.campaign.flights import Cell, Cells, Outcome
+from gyrostat.campaign.flights import Cell, Cells, Outcome, unknown_cell
 from gyrostat.campaign.inputs import Draws, Inputs
 from gyrostat.campaign.limits import whole
 from gyrostat.campaign.sampling import REPLICATES, LatinHypercube, Plain, Sampling, Sobol
@@ -393,7 +393,7 @@ class Campaign:
                 raise InputError(f"which cell? there are: {', '.join(self.cells)}")
             return next(iter(self.cells.values()))
         if label not in self.cells:
-            raise InputError(f"no cell '{label}'{suggestion(label, self.cells)}")
+            raise unknown_cell(label, self.cells)
         return self.cells[label]
 
     def _checked(self, u: ArrayLike) -> Array:

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from gyrostat.campaign.flights import unknown_cell
 from gyrostat.campaign.results import CampaignResult
-from gyrostat.errors import InputError, suggestion
+from gyrostat.errors import InputError
 from gyrostat.verification.sequential import rate_interval
 
 
@@ -55,7 +56,7 @@ def compare(found: CampaignResult, reference: str | None = None) -> list[Compari
     cells = list(found.counts)
     base = cells[0] if reference is None else reference
     if base not in cells:
-        raise InputError(f"no cell '{base}'{suggestion(base, cells)}")
+        raise unknown_cell(base, cells)
     success = np.concatenate([np.asarray(t.column("success"), dtype=bool) for t in found.tables(["success"])])
     if len(success) != len(cells) * found.runs:
         raise InputError(f"{found.folder}: keeps failures alone; cells are compared run by run")

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,7 +18,7 @@ from gyrostat.campaign.inputs import Draws, Inputs, never
 from gyrostat.campaign.judging import Judge
 from gyrostat.campaign.spec import Spec
 from gyrostat.campaign.streams import Array
-from gyrostat.errors import InputError, input_errors
+from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.experiment import Experiment, Flights, usual_measures
 from gyrostat.scenario import Scenario
 from gyrostat.text import one_line
@@ -166,6 +166,12 @@ def _joined(parts: list[Flights], first: int) -> Flights:
     )
 
 
+def unknown_cell(label: str, known: Iterable[str]) -> InputError:
+    """The error for a cell that is not there."""
+    labels = list(known)
+    return InputError(f"no cell '{label}'" + ("; there is no grid" if labels == [""] else suggestion(label, labels)))
+
+
 class Cells:
     """All cells of a campaign; the first level of every factor comes first."""
 
@@ -192,4 +198,4 @@ class Cells:
         return made
 
 
-__all__ = ["RAISED", "Cell", "Cells", "Draws", "Outcome"]
+__all__ = ["RAISED", "Cell", "Cells", "Draws", "Outcome", "unknown_cell"]

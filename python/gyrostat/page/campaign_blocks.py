@@ -14,11 +14,11 @@ from scipy import stats
 
 from gyrostat import toml
 from gyrostat.campaign.comparing import compare
+from gyrostat.campaign.flights import unknown_cell
 from gyrostat.campaign.printing import rerun_command
 from gyrostat.campaign.results import CampaignResult
 from gyrostat.campaign.rows import Rows
 from gyrostat.campaign.sampled_faults import NONE
-from gyrostat.errors import InputError, suggestion
 from gyrostat.page.tables import table
 from gyrostat.verification.requirements import Report, in_words
 from gyrostat.verification.sequential import quantile_interval, rate_interval
@@ -194,7 +194,7 @@ def paired(rows: Rows, against: str | None) -> str:
     labels = list(found.counts)
     base = labels[0] if against is None else against
     if base not in labels:
-        raise InputError(f"no cell '{base}'{suggestion(base, labels)}")
+        raise unknown_cell(base, labels)
     if len(labels) < 2:
         return ""
     if not (rows.whole and rows.independent):

@@ -211,6 +211,8 @@ def tune(
     for key in parameters:
         if key not in known:
             raise InputError(f"tune: '{key}' is no positive number of a component; there are: {', '.join(known)}")
+        if parameters.count(key) > 1:
+            raise InputError(f"tune: '{key}' stands twice")
     splits = {"train": (0, train), "held-out": (train, train + held_out)}
 
     def fly(factors: Floats, split: str) -> FlownSet | None:

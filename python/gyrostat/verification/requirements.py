@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from gyrostat import toml
+from gyrostat.campaign.flights import unknown_cell
 from gyrostat.campaign.limits import MOST_RUNS
 from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.files import file_errors, write_text
@@ -315,8 +316,10 @@ def verified(result: CampaignResult) -> Report | None:
         try:
             told = json.loads(text)
             file, runs, most = RequirementFile(**told["file"]), int(told["runs"]), int(told["max_runs"])
-        except (ValueError, TypeError, KeyError):
-            raise InputError("is not what gyrostat verify wrote; call it again") from None
+        except (ValueError, TypeError, KeyError, OverflowError):
+            runs, most = 0, 0
+        if not 1 <= runs <= min(result.runs, most):
+            raise InputError("is not what gyrostat verify wrote; call it again")
         pairs = _pairs(file, result.campaign)
     return _reported(_Failures.of(result, pairs, runs), result.campaign, result, most, file.max_runs)
 
@@ -346,7 +349,7 @@ def _pairs(file: RequirementFile, campaign: Campaign) -> list[tuple[Requirement,
             if not requirement.measures and not campaign.spec.success:
                 raise InputError("neither 'fails' nor the campaign's [success] says what a failure is")
             if requirement.cell is not None and requirement.cell not in campaign.cells:
-                raise InputError(f"no cell '{requirement.cell}'{suggestion(requirement.cell, campaign.cells)}")
+                raise unknown_cell(requirement.cell, campaign.cells)
         cells = campaign.cells if requirement.cell is None else (requirement.cell,)
         pairs += [(requirement, cell) for cell in cells]
     tests = []
