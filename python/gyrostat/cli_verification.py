@@ -17,6 +17,7 @@ from gyrostat.errors import InputError
 from gyrostat.files import made_folder, write_text
 
 if TYPE_CHECKING:
+    from gyrostat.scenario import Scenario
     from gyrostat.verification.rare import Rare
     from gyrostat.verification.requirements import Judgement, Report
     from gyrostat.verification.tune import Tuned
@@ -212,23 +213,24 @@ def tune(
     values = {key: known[key] * float(f) for key, f in zip(chosen, found.factors, strict=True)}
     if out is not None:
         with made_folder(out):
-            write_text(out / "gains.toml", _gains(values))
+            write_text(out / "gains.toml", _gains(values, loaded.base))
             flown.draw_trade(found, out / "trade.png")
     if as_json:
         printing.as_json(_tuned(found, values))
         return
     _print_tuned(found, chosen, known)
-    typer.echo("\n" + _gains(values).rstrip())
+    typer.echo("\n" + _gains(values, loaded.base).rstrip())
 
 
-def _gains(values: dict[str, float]) -> str:
-    lines: list[str] = []
-    for role in dict.fromkeys(key.partition(".")[0] for key in values):
-        lines += [
-            f"[{role}]",
-            *(f"{k.partition('.')[2]} = {v!r}" for k, v in values.items() if k.startswith(role + ".")),
-        ]
-    return "\n".join(lines) + "\n"
+def _gains(values: dict[str, float], scenario: Scenario) -> str:
+    """Tables to paste: each component with its type, as it may stand nowhere in the scenario."""
+    from gyrostat import toml
+
+    resolved, tables = scenario.resolve(), dict[str, dict[str, Any]]()
+    for key, value in values.items():
+        role, _, name = key.partition(".")
+        tables.setdefault(role, {"type": resolved[role]["type"]})[name] = value
+    return toml.write(tables)
 
 
 def _written(out: Path, scenarios: Sequence[tuple[str, Any]]) -> list[str]:

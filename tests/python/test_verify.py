@@ -269,6 +269,13 @@ def test_tuned_gains_can_be_pasted_and_are_reported_on_other_flights(tmp_path: P
     assert (out / "trade.png").exists()
     base = gs.Campaign.load(tmp_path / "campaign.toml").base
     assert base.replace(**{f"controller.{k}": v for k, v in gains.items()}).run().status == "completed"
+    every = ("tune", tmp_path / "campaign.toml", "--train", 10, "--held-out", 10, "--budget", 30, "--out", out)
+    code, text = call(*every)  # also of components that the scenario does not name
+    assert code == 0, text
+    tables = toml.read(out / "gains.toml")
+    assert {"observer", "controller", "allocator"} <= set(tables)
+    assert base.allocator is None
+    assert base.replace(**tables).run().status == "completed"
     code, text = call("tune", tmp_path / "campaign.toml", "--vary", "controller.nothing")
     assert code == 2
     assert "'controller.nothing' is no positive number of a component" in text

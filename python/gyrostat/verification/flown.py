@@ -213,6 +213,7 @@ def tune(
             raise InputError(f"tune: '{key}' is no positive number of a component; there are: {', '.join(known)}")
         if parameters.count(key) > 1:
             raise InputError(f"tune: '{key}' stands twice")
+    _changed(campaign, {key: known[key] for key in parameters})  # says why, if these cannot be flown
     splits = {"train": (0, train), "held-out": (train, train + held_out)}
 
     def fly(factors: Floats, split: str) -> FlownSet | None:
@@ -267,9 +268,13 @@ def _changed(campaign: Campaign, changes: dict[str, float]) -> Campaign:
     tables = campaign.spec.table()
     for key in ("measure", "success", "margin", "keep"):
         tables.pop(key, None)
-    base = campaign.base.replace(**changes) if changes else campaign.base
-    if not all(row["ok"] for row in base.check()):
-        raise InputError("refused")
+    resolved = campaign.base.resolve()
+    roles = {key.partition(".")[0] for key in changes}
+    usual = {role: resolved[role]["type"] for role in sorted(roles) if getattr(campaign.base, role) is None}
+    base = campaign.base.replace(**usual, **changes)
+    for row in base.check():
+        if not row["ok"]:
+            raise InputError(f"{row['where']}: {row['quantity']} = {row['value']:g} is refused")
     return Campaign.from_dict({**tables, "base": base.to_dict()})
 
 
