@@ -89,11 +89,13 @@ def show(
     against: Annotated[
         str | None, typer.Option(metavar="CELL", help="Compare the cells with this one, run by run.")
     ] = None,
+    inputs: Annotated[bool, typer.Option("--inputs", help="Say which inputs matter.")] = False,
     as_json: Json = False,
 ) -> None:
     """Say what a folder holds: failures, statuses, quantiles, and the hashes of campaign and table.
 
-    Examples: `gyrostat campaign show flown`, `gyrostat campaign show five --against recommended`
+    Examples: `gyrostat campaign show flown`, `gyrostat campaign show five --against recommended`,
+    `gyrostat campaign show flown --inputs`
     """
     from gyrostat.campaign import CampaignResult
     from gyrostat.campaign import printing as show_
@@ -105,6 +107,8 @@ def show(
     show_.result(found)
     if against is not None:
         show_.comparison(found, against)
+    if inputs:
+        show_.sensitivities(found)
     show_.hashes(found)
 
 

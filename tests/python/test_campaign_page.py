@@ -79,6 +79,17 @@ def rows(text: str) -> list[list[str]]:
     return [[unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", line)] for line in lines]
 
 
+def test_what_matters_is_the_same_on_the_page_and_in_the_terminal(page: str, flown: gs.CampaignResult) -> None:
+    done = CliRunner().invoke(app, ["campaign", "show", str(flown.folder), "--inputs"])
+    assert done.exit_code == 0, done.output
+    printed = {tuple(line.split()) for line in done.output.splitlines()}
+    head, *lines = (r for r in rows(section(page, "sensitivity")) if len(r) == 3)
+    assert head == ["input", "plain", "robust"]
+    assert len(lines) >= 4
+    for line in lines:
+        assert tuple(" ".join(line).split()) in printed
+
+
 def test_a_search_for_rare_failures_is_on_the_page_of_its_campaign_and_has_one_of_its_own(tmp_path: Path) -> None:
     made = campaign(success={"final": {"below": 0.9, "scale": "log"}})
     found = made.run(64, out=tmp_path / "flown")
