@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""Flights of a campaign a second, into a folder, against the same flights of `Experiment`; and its highest memory.
+"""Flights of a campaign a second, into a folder, against the same flights of `Experiment` and against Basilisk's.
 
 The case: 200 s at 100 Hz, Runge-Kutta, four wheels, two faults, gyro and attitude noise, finite-time observer, integral
-sliding mode, pseudo-inverse, four measures. ``python benchmarks/campaign.py [RUNS]``
+sliding mode, pseudo-inverse, four measures. Where `bsk` is installed, its own Monte Carlo facility flies its plain
+closed loop in the same run, in two processes and in one. Then the highest memory of processes that fly up to 10^5
+short flights. ``python benchmarks/campaign.py [RUNS]``
 """
 
 from __future__ import annotations
 
+import json
 import resource
 import subprocess
 import sys
 import tempfile
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import gyrostat as gs
@@ -60,12 +64,21 @@ def memory(runs: int, folder: str) -> float:
     return float(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
 
 
+def basilisk(processes: int) -> float:
+    """CPU seconds of a flight of its Monte Carlo facility."""
+    command = [sys.executable, str(Path(__file__).with_name("basilisk_flights.py")), "16", str(processes)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return float(json.loads(done.stdout.splitlines()[-1])["cpu"])
+
+
 def main() -> None:
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 400
     campaign = case()
     cell = campaign.cells[""]
     values = campaign.drawn(campaign.points(0, runs)).values
+    _into_a_folder(campaign, 1, 1)  # loads PyArrow
     print("flights of the case                       a second   CPU ms a flight")
+    used = 0.0
     for jobs in (1, 2):
         for name, fly in (
             ("experiment", lambda jobs: cell.experiment.fly(values, threads=jobs)),
@@ -73,11 +86,19 @@ def main() -> None:
         ):
             cpu, started = _cpu(), time.monotonic()
             fly(jobs)
-            passed, used = time.monotonic() - started, _cpu() - cpu
-            print(f"{name:26} {jobs} threads {runs / passed:12.0f} {1000 * used / runs:17.1f}")
+            passed, used = time.monotonic() - started, (_cpu() - cpu) / runs
+            print(f"{name:26} {jobs} threads {runs / passed:12.0f} {1000 * used:17.1f}")
+    if find_spec("Basilisk") is None:
+        print("Basilisk: not installed", file=sys.stderr)
+    else:
+        for processes in (2, 1):
+            theirs = basilisk(processes)
+            print(f"Basilisk, plain loop, {processes} processes {1000 * theirs:25.1f}, {theirs / used:.0f} times that")
     with tempfile.TemporaryDirectory() as folder:
         for count in (1_000, 10_000, 100_000):
-            print(f"highest memory, {count:7d} runs: {memory(count, str(Path(folder) / str(count))):6.0f} MB")
+            print(
+                f"highest memory, {count:7d} runs: {memory(count, str(Path(folder) / str(count))):6.0f} MB", flush=True
+            )
 
 
 def _into_a_folder(campaign: gs.Campaign, runs: int, jobs: int) -> None:

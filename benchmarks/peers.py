@@ -19,6 +19,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -183,55 +184,65 @@ def sundae_loop() -> Callable[[float], np.ndarray]:
 
 
 def basilisk_loop() -> Callable[[float], np.ndarray]:
+    """Its own loop, built anew for each run."""
+    from Basilisk.utilities import macros
+
+    def run(seconds: float) -> np.ndarray:
+        sim = basilisk_simulation()
+        sim.InitializeSimulation()
+        sim.ConfigureStopTime(macros.sec2nano(seconds))
+        sim.ExecuteSimulation()
+        end = sim.body.scStateOutMsg.read()
+        return np.concatenate([end.sigma_BN, end.omega_BN_B])
+
+    return run
+
+
+def basilisk_simulation() -> Any:
     """Spacecraft + reactionWheelStateEffector (balanced) + extForceTorque + mrpFeedback + rwMotorTorque."""
     from Basilisk.architecture import messaging
     from Basilisk.fswAlgorithms import attTrackingError, inertial3D, mrpFeedback, rwMotorTorque
     from Basilisk.simulation import extForceTorque, reactionWheelStateEffector, simpleNav, spacecraft
     from Basilisk.utilities import SimulationBaseClass, macros, simIncludeRW
 
-    def run(seconds: float) -> np.ndarray:
-        sim = SimulationBaseClass.SimBaseClass()
-        process = sim.CreateNewProcess("process")
-        process.addTask(sim.CreateNewTask("task", macros.sec2nano(DT)))
-        body = spacecraft.Spacecraft()
-        body.hub.mHub = 100.0
-        body.hub.IHubPntBc_B = (J_TOTAL - JS * AXES @ AXES.T).tolist()
-        body.hub.sigma_BNInit = [[v] for v in SIGMA_0]
-        body.hub.omega_BN_BInit = [[v] for v in OMEGA_0]
-        factory = simIncludeRW.rwFactory()
-        for i in range(4):
-            axis = AXES[:, i].tolist()
-            factory.create("custom", axis, Omega=0.0, Js=JS, u_max=U_MAX, useMaxTorque=True, Omega_max=1e6)
-        wheels = reactionWheelStateEffector.ReactionWheelStateEffector()
-        factory.addToSpacecraft("wheels", wheels, body)
-        push = extForceTorque.ExtForceTorque()
-        push.extTorquePntB_B = [[v] for v in TORQUE]
-        body.addDynamicEffector(push)
-        nav, target, error = simpleNav.SimpleNav(), inertial3D.inertial3D(), attTrackingError.attTrackingError()
-        target.sigma_R0N = [0.0, 0.0, 0.0]
-        law, motor = mrpFeedback.mrpFeedback(), rwMotorTorque.rwMotorTorque()
-        law.K, law.P, law.Ki, law.integralLimit = K, P, -1.0, 0.1
-        motor.controlAxes_B = [1, 0, 0, 0, 1, 0, 0, 0, 1]
-        config = messaging.VehicleConfigMsgPayload(ISCPntB_B=J_TOTAL.flatten().tolist())
-        config_msg = messaging.VehicleConfigMsg().write(config)
-        rw_params = factory.getConfigMessage()
-        nav.scStateInMsg.subscribeTo(body.scStateOutMsg)
-        error.attNavInMsg.subscribeTo(nav.attOutMsg)
-        error.attRefInMsg.subscribeTo(target.attRefOutMsg)
-        law.guidInMsg.subscribeTo(error.attGuidOutMsg)
-        law.vehConfigInMsg.subscribeTo(config_msg)
-        motor.rwParamsInMsg.subscribeTo(rw_params)
-        motor.vehControlInMsg.subscribeTo(law.cmdTorqueOutMsg)
-        wheels.rwMotorCmdInMsg.subscribeTo(motor.rwMotorTorqueOutMsg)
-        for order, model in enumerate((body, wheels, push, nav, target, error, law, motor)):
-            sim.AddModelToTask("task", model, 10 - order)
-        sim.InitializeSimulation()
-        sim.ConfigureStopTime(macros.sec2nano(seconds))
-        sim.ExecuteSimulation()
-        end = body.scStateOutMsg.read()
-        return np.concatenate([end.sigma_BN, end.omega_BN_B])
-
-    return run
+    sim = SimulationBaseClass.SimBaseClass()
+    process = sim.CreateNewProcess("process")
+    process.addTask(sim.CreateNewTask("task", macros.sec2nano(DT)))
+    body = spacecraft.Spacecraft()
+    body.hub.mHub = 100.0
+    body.hub.IHubPntBc_B = (J_TOTAL - JS * AXES @ AXES.T).tolist()
+    body.hub.sigma_BNInit = [[v] for v in SIGMA_0]
+    body.hub.omega_BN_BInit = [[v] for v in OMEGA_0]
+    factory = simIncludeRW.rwFactory()
+    for i in range(4):
+        axis = AXES[:, i].tolist()
+        factory.create("custom", axis, Omega=0.0, Js=JS, u_max=U_MAX, useMaxTorque=True, Omega_max=1e6)
+    wheels = reactionWheelStateEffector.ReactionWheelStateEffector()
+    factory.addToSpacecraft("wheels", wheels, body)
+    push = extForceTorque.ExtForceTorque()
+    push.extTorquePntB_B = [[v] for v in TORQUE]
+    body.addDynamicEffector(push)
+    nav, target, error = simpleNav.SimpleNav(), inertial3D.inertial3D(), attTrackingError.attTrackingError()
+    target.sigma_R0N = [0.0, 0.0, 0.0]
+    law, motor = mrpFeedback.mrpFeedback(), rwMotorTorque.rwMotorTorque()
+    law.K, law.P, law.Ki, law.integralLimit = K, P, -1.0, 0.1
+    motor.controlAxes_B = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    config = messaging.VehicleConfigMsgPayload(ISCPntB_B=J_TOTAL.flatten().tolist())
+    config_msg = messaging.VehicleConfigMsg().write(config)
+    rw_params = factory.getConfigMessage()
+    nav.scStateInMsg.subscribeTo(body.scStateOutMsg)
+    error.attNavInMsg.subscribeTo(nav.attOutMsg)
+    error.attRefInMsg.subscribeTo(target.attRefOutMsg)
+    law.guidInMsg.subscribeTo(error.attGuidOutMsg)
+    law.vehConfigInMsg.subscribeTo(config_msg)
+    motor.rwParamsInMsg.subscribeTo(rw_params)
+    motor.vehControlInMsg.subscribeTo(law.cmdTorqueOutMsg)
+    wheels.rwMotorCmdInMsg.subscribeTo(motor.rwMotorTorqueOutMsg)
+    for order, model in enumerate((body, wheels, push, nav, target, error, law, motor)):
+        sim.AddModelToTask("task", model, 10 - order)
+    sim.body = body
+    sim.kept = wheels, push, nav, target, error, law, motor, config_msg, rw_params, factory
+    return sim
 
 
 def peers() -> list[Peer]:

@@ -89,11 +89,13 @@ def show(
     against: Annotated[
         str | None, typer.Option(metavar="CELL", help="Compare the cells with this one, run by run.")
     ] = None,
+    inputs: Annotated[bool, typer.Option("--inputs", help="Say which inputs matter.")] = False,
     as_json: Json = False,
 ) -> None:
     """Say what a folder holds: failures, statuses, quantiles, and the hashes of campaign and table.
 
-    Examples: `gyrostat campaign show flown`, `gyrostat campaign show five --against recommended`
+    Examples: `gyrostat campaign show flown`, `gyrostat campaign show five --against recommended`,
+    `gyrostat campaign show flown --inputs`
     """
     from gyrostat.campaign import CampaignResult
     from gyrostat.campaign import printing as show_
@@ -105,6 +107,8 @@ def show(
     show_.result(found)
     if against is not None:
         show_.comparison(found, against)
+    if inputs:
+        show_.sensitivities(found)
     show_.hashes(found)
 
 
@@ -128,6 +132,8 @@ def rerun(
 
     found = CampaignResult(folder)
     campaign = found.campaign
+    if not any(part.first <= run < part.end for part in found.parts()):
+        raise InputError(f"{folder}: run {run} was not flown here; {found.runs} were")
     scenario = campaign.scenario(run, cell)
     if out is not None:
         scenario.to_toml(out)
@@ -172,13 +178,21 @@ def report(
 
     It has failures with intervals, quantiles, cells run by run, failure rates by severity and onset, distributions,
     what matters, the worst ten with the command that flies each again, how flights ended, and what all of it rests on.
-    The page of a folder of `gyrostat verify` has the verdict on top, and its evidence against runs.
+    The page of a folder of `gyrostat verify` has the verdict on top, and its evidence against runs; that of a folder of
+    `gyrostat rare` its levels and replicates.
 
     Examples: `gyrostat report flown`, `gyrostat report five --against recommended --out five.html`
     """
     from gyrostat.campaign import CampaignResult
+    from gyrostat.page.campaign import write_rare_page
+    from gyrostat.verification.searched import Searched
 
-    page = CampaignResult(folder).to_html(folder / "report.html" if out is None else out, against)
+    path = folder / "report.html" if out is None else out
+    searched = Searched.read(folder)
+    if searched is not None and not (folder / "manifest.json").exists():
+        page = write_rare_page(path, folder, searched)
+    else:
+        page = CampaignResult(folder).to_html(path, against)
     typer.echo(f"page: {page}")
 
 

@@ -17,6 +17,7 @@ from gyrostat.errors import InputError
 from gyrostat.files import made_folder, write_text
 
 if TYPE_CHECKING:
+    from gyrostat.scenario import Scenario
     from gyrostat.verification.rare import Rare
     from gyrostat.verification.requirements import Judgement, Report
     from gyrostat.verification.tune import Tuned
@@ -35,7 +36,12 @@ def register(app: typer.Typer) -> None:
 
 
 def verify(
-    requirement: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A campaign and requirements on it.")],
+    requirement: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE", help="A TOML file that names a campaign and requirements on it, or a shipped one."
+        ),
+    ],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the campaign: a new one, or one to go on with.")],
     *,
     runs: Annotated[int | None, typer.Option(min=1, help="At most, instead of the file's max_runs.")] = None,
@@ -47,7 +53,7 @@ def verify(
     The verdict is that of looking after every run: it stays valid however often one looks, and the same command goes
     on. Exit status 0 PASS, 1 FAIL, 4 UNDECIDED.
 
-    Example: `gyrostat verify requirement.toml --out flown`
+    Examples: `gyrostat verify requirement.toml --out flown`, `gyrostat verify pointing_ftc --out ftc`
     """
     from gyrostat.campaign import printing as show
     from gyrostat.verification.requirements import verify as judge
@@ -85,6 +91,7 @@ def rare(
     """
     from gyrostat.campaign import Campaign
     from gyrostat.verification import flown
+    from gyrostat.verification.searched import to_dict
 
     loaded = Campaign.load(campaign)
     search = partial(flown.rare, loaded, cell=cell, seed=seed, population=population, replicates=replicates, jobs=jobs)
@@ -95,10 +102,14 @@ def rare(
         with made_folder(out):
             found = search(out=out)
             written = _written(
-                out, [(f"lost{i}", flown.scenario(loaded, f.z, f.number, cell)) for i, f in enumerate(found.lost)]
+                out,
+                [
+                    (f"lost{i}", flown.scenario(loaded, f.z, f.number, cell, f.versions))
+                    for i, f in enumerate(found.lost)
+                ],
             )
     if as_json:
-        printing.as_json(_rare(found, written))
+        printing.as_json(to_dict(found) | {"again": written})
     else:
         _print_rare(found, written)
     if found.status != "converged":
@@ -202,23 +213,24 @@ def tune(
     values = {key: known[key] * float(f) for key, f in zip(chosen, found.factors, strict=True)}
     if out is not None:
         with made_folder(out):
-            write_text(out / "gains.toml", _gains(values))
+            write_text(out / "gains.toml", _gains(values, loaded.base))
             flown.draw_trade(found, out / "trade.png")
     if as_json:
         printing.as_json(_tuned(found, values))
         return
     _print_tuned(found, chosen, known)
-    typer.echo("\n" + _gains(values).rstrip())
+    typer.echo("\n" + _gains(values, loaded.base).rstrip())
 
 
-def _gains(values: dict[str, float]) -> str:
-    lines: list[str] = []
-    for role in dict.fromkeys(key.partition(".")[0] for key in values):
-        lines += [
-            f"[{role}]",
-            *(f"{k.partition('.')[2]} = {v!r}" for k, v in values.items() if k.startswith(role + ".")),
-        ]
-    return "\n".join(lines) + "\n"
+def _gains(values: dict[str, float], scenario: Scenario) -> str:
+    """Tables to paste: each component with its type, as it may stand nowhere in the scenario."""
+    from gyrostat import toml
+
+    resolved, tables = scenario.resolve(), dict[str, dict[str, Any]]()
+    for key, value in values.items():
+        role, _, name = key.partition(".")
+        tables.setdefault(role, {"type": resolved[role]["type"]})[name] = value
+    return toml.write(tables)
 
 
 def _written(out: Path, scenarios: Sequence[tuple[str, Any]]) -> list[str]:
@@ -242,6 +254,8 @@ def _rerun(report: Report, judgement: Judgement, run: int) -> str:
 
 
 def _print_report(report: Report) -> None:
+    from gyrostat.verification.requirements import in_words
+
     for j in report.judgements:
         v, r = j.verdict, j.requirement
         failures = f"{v.failures} failure{'' if v.failures == 1 else 's'}"
@@ -258,17 +272,13 @@ def _print_report(report: Report) -> None:
             typer.echo(f"  {100 * p.level:g} % of {p.of}: {low:.4g} to {high:.4g}, limit {p.at_most:.4g}")
         if j.needed is not None:
             typer.echo(
-                f"  runs still needed: {_needed(j.needed.median)} (10 to 90 %: {_needed(j.needed.low)} to "
-                f"{_needed(j.needed.high)}; {100 * j.needed.passing:.0f} % end in PASS)"
+                f"  runs still needed: {in_words(j.needed.median)} (10 to 90 %: {in_words(j.needed.low)} to "
+                f"{in_words(j.needed.high)}; {100 * j.needed.passing:.0f} % end in PASS)"
             )
         if j.dominant:
             typer.echo("  most of it from: " + ", ".join(f"{name} {100 * s:.0f} %" for name, s in j.dominant))
         _lines([_rerun(report, j, run) for run in j.failing])
     typer.echo(f"{report.outcome}: {report.runs} of at most {report.max_runs} runs in {report.folder}")
-
-
-def _needed(runs: float) -> str:
-    return f"{runs:.3g}" if math.isfinite(runs) else "more than max_runs"
 
 
 def _evidence(log: float) -> str:
@@ -325,24 +335,6 @@ def _print_rare(found: Rare, written: Sequence[str]) -> None:
     if written:
         typer.echo("likeliest lost flights:")
         _lines(written)
-
-
-def _rare(found: Rare, written: Sequence[str]) -> dict[str, Any]:
-    def number(x: float) -> float | None:
-        return x if math.isfinite(x) else None
-
-    return {
-        "status": found.status,
-        "probability": number(found.probability),
-        "interval": [number(x) for x in found.interval],
-        "bound": found.bound,
-        "replicates": found.replicates.tolist(),
-        "levels": [{k: number(v) for k, v in vars(x).items()} for x in found.levels],
-        "population": found.population,
-        "flights": found.flights,
-        "lost": [{"z": f.z.tolist(), "margin": f.margin, "number": f.number} for f in found.lost],
-        "again": list(written),
-    }
 
 
 def _print_tuned(found: Tuned, chosen: Sequence[str], known: dict[str, float]) -> None:

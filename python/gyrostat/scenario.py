@@ -195,6 +195,8 @@ class Scenario(Model):
         Further (observer, detector) pairs on the same signals.
     seed, run_number
         Of all noise: flights of the same seed and other numbers have noise of their own.
+    noise_versions
+        Of the noise of each second: other versions, other noise; 0 is the run's own.
     allow_unstable
         Run settings whose check says unstable (a published study's own unstable cases).
     record
@@ -225,6 +227,7 @@ class Scenario(Model):
     dt: float
     seed: int = 0
     run_number: int = 0
+    noise_versions: Sequence[float] = ()
     allow_unstable: bool = False
     vehicle: Vehicle
     truth: Truth | None = None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from copy import deepcopy
@@ -239,6 +240,32 @@ def test_the_command_says_it_in_one_line_with_the_file(tmp_path: Path) -> None:
 
 
 def test_a_manifest_that_is_none_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "manifest.json").write_text("{}")
-    with pytest.raises(gs.InputError, match=r"manifest\.json: is no manifest of a campaign"):
-        gs.CampaignResult(tmp_path)
+    made = gs.Campaign.from_dict(GOOD)
+    good = json.loads((made.run(10, out=tmp_path).folder / "manifest.json").read_text())
+    none = "is no manifest of a campaign"
+    for spoilt, why in [
+        ({}, none),
+        ([], none),
+        (good | {"runs": "many"}, none),
+        (good | {"resolved": None}, none),
+        (good | {"chunk": 0}, "chunk = 0: a whole number from 1 on belongs here"),
+        (good | {"runs": 10**12}, "runs = 1000000000000: a whole number from 1 to 2147483647 belongs here"),
+    ]:
+        (tmp_path / "manifest.json").write_text(json.dumps(spoilt))
+        for door in (lambda: gs.CampaignResult(tmp_path), lambda: made.run(20, out=tmp_path)):
+            with pytest.raises(gs.InputError, match=rf"manifest\.json: {why}"):
+                door()
+
+
+def test_what_is_not_there_is_said(tmp_path: Path) -> None:
+    single = gs.Campaign.from_dict({k: v for k, v in GOOD.items() if k != "grid"})
+    single.run(10, out=tmp_path)
+    with pytest.raises(gs.InputError, match="no cell 'x'; there is no grid"):
+        single.scenario(0, "x")
+    done = gyrostat("rerun", tmp_path, 10)
+    assert (done.returncode, done.stderr) == (2, f"error: {tmp_path}: run 10 was not flown here; 10 were\n")
+    with pytest.raises(gs.InputError) as refusal:
+        gs.Campaign.from_dict(GOOD).run(10, out=tmp_path)
+    assert len(str(refusal.value)) < 300  # both values, shortened
+    with pytest.raises(gs.InputError, match=r"tune: 'controller\.k1' stands twice"):
+        gs.tune(single, ["controller.k1", "controller.k1"])

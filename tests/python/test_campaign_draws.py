@@ -11,7 +11,7 @@ from scipy import stats
 
 import gyrostat as gs
 from gyrostat import _core
-from gyrostat.campaign import dist
+from gyrostat.campaign import dist, torque_left
 from gyrostat.campaign.distributions import BY_NAME, Inertia, distribution
 from gyrostat.campaign.streams import NETS, Stream, Streams, name_hash, uniform, words
 
@@ -338,3 +338,39 @@ def test_every_distribution_reads_what_it_writes(name: str) -> None:
     u = np.random.default_rng(3).uniform(size=(20, made.words))
     if name != "inertia":
         assert np.array_equal(again.draw(u), made.draw(u))
+
+
+def test_the_torque_left_is_the_least_over_all_directions() -> None:
+    """Against the support of the commands that are left, over many directions; and where nothing happens."""
+    kinds = [
+        {"weight": 0.25, "type": "loss_of_effectiveness", "remaining": {"dist": "uniform", "low": 0.0, "high": 0.8}},
+        {"weight": 0.25, "type": "stuck", "torque": {"dist": "uniform", "low": -0.08, "high": 0.08}},
+        {"weight": 0.25, "type": "bias", "torque": 0.05},
+        {"weight": 0.25, "type": "hard_over", "sign": -1},
+    ]
+    fault = {"name": "a-b", "probability": 0.8, "actuator": 2, "t_on": 1.0, "kind": kinds}
+    pair = {"name": "pair", "probability": 0.2, "actuators": [0, 1], "t_on": 1.0, "kind": [{"type": "dead"}]}
+    campaign = gs.Campaign("wheel2_degraded", set={"faults": []}, faults=[fault, pair])
+    D = np.array(campaign.base.vehicle.D_B)
+    v = np.random.default_rng(1).standard_normal((40_000, 3))
+    v /= np.linalg.norm(v, axis=1)[:, None]
+    left = torque_left(campaign, 0, 60)
+    columns = campaign.draws(0, 60)
+    for run in range(60):
+        gain, bias = np.ones(4), np.zeros(4)
+        kind = columns["fault.a-b.0.kind"][run]
+        if kind == "loss_of_effectiveness":
+            gain[2] = columns["fault.a-b.0.loss_of_effectiveness.remaining"][run]
+        elif kind != "none":
+            gain[2] = kind == "bias"
+            stuck = columns["fault.a-b.0.stuck.torque"][run]
+            bias[2] = {"stuck": stuck, "bias": 0.05, "hard_over": -0.2}[str(kind)]
+        if columns["fault.pair.0.kind"][run] == "dead":
+            gain[:2] = 0.0
+        reach = np.abs(v @ D) @ (gain * 0.2) + v @ D @ bias
+        if np.linalg.matrix_rank(D * gain) < 3:
+            assert left[run] <= 1e-12
+        else:
+            assert left[run] - 1e-9 <= reach.min() / 0.2 <= left[run] + 0.02
+    healthy = columns["fault.a-b.0.kind"] == "none"
+    assert np.ptp(left[healthy & (columns["fault.pair.0.kind"] == "none")]) == 0.0

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from html import unescape
 from pathlib import Path
@@ -76,6 +77,44 @@ def rows(text: str) -> list[list[str]]:
     """The cells of all rows of its tables."""
     lines = re.findall(r"<tr>(.*?)</tr>", text, re.DOTALL)
     return [[unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", line)] for line in lines]
+
+
+def test_what_matters_is_the_same_on_the_page_and_in_the_terminal(page: str, flown: gs.CampaignResult) -> None:
+    done = CliRunner().invoke(app, ["campaign", "show", str(flown.folder), "--inputs"])
+    assert done.exit_code == 0, done.output
+    printed = {tuple(line.split()) for line in done.output.splitlines()}
+    head, *lines = (r for r in rows(section(page, "sensitivity")) if len(r) == 3)
+    assert head == ["input", "plain", "robust"]
+    assert len(lines) >= 4
+    for line in lines:
+        assert tuple(" ".join(line).split()) in printed
+
+
+def test_a_search_for_rare_failures_is_on_the_page_of_its_campaign_and_has_one_of_its_own(tmp_path: Path) -> None:
+    made = campaign(success={"final": {"below": 0.9, "scale": "log"}})
+    found = made.run(64, out=tmp_path / "flown")
+    got = gs.rare(made, population=40, out=found.folder)
+    text = section(found.to_html(found.folder / "report.html").read_text(), "rare")
+    levels, replicates, lost = (
+        [r for r in rows(text) if len(r) == n and r[0] not in ("level", "replicate", "distance of the inputs")]
+        for n in (5, 2, 3)
+    )
+    assert [r[1] for r in levels] == [f"{x.margin:.4g}" for x in got.levels]
+    assert [r[1] for r in replicates] == [f"{p:.3g}" for p in got.replicates]
+    assert [r[1] for r in lost] == [f"{f.margin:.3g}" for f in got.lost]
+    assert f"{got.flights} flights" in text
+    gs.rare(campaign(seed=8, success={"final": {"below": 0.9, "scale": "log"}}), population=40, out=tmp_path)
+    done = CliRunner().invoke(app, ["report", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    alone = (tmp_path / "report.html").read_text()
+    assert section(alone, "rare")
+    assert "http" not in alone
+    (tmp_path / "rare.json").rename(found.folder / "rare.json")  # of another campaign: it has no place there
+    assert 'id="rare"' not in found.to_html(found.folder / "report.html").read_text()
+    for spoilt in ("", "[]", '{"status": "converged"}', "\x00"):
+        (found.folder / "rare.json").write_text(spoilt)
+        with pytest.raises(gs.InputError, match=r"rare\.json: is not what gyrostat rare wrote; call it again"):
+            found.to_html(found.folder / "report.html")
 
 
 def test_one_small_file_that_asks_for_nothing(page: str, flown: gs.CampaignResult) -> None:
@@ -199,16 +238,18 @@ def test_a_verdict_stands_on_top(tmp_path: Path) -> None:
     said = rows(section(page, "verdict"))[1:]
     for row, j in zip(said, told.judgements, strict=True):
         assert row[0] == j.name
-        assert row[3] == f"{j.verdict.outcome} at run {j.verdict.runs}"
-        assert row[4] == str(j.verdict.failures)
-    assert [row[3].split()[0] for row in said] == ["PASS", "FAIL"]
+        assert row[1] == f"{j.verdict.outcome} at run {j.verdict.runs}"
+        assert row[3] == str(j.verdict.failures)
+    assert [row[1].split()[0] for row in said] == ["PASS", "FAIL"]
     assert "<b>FAIL</b>" in page  # of both together
     evidence = section(page, "evidence")
     assert evidence.count("<svg") == 2
     assert "1/α = 20" in evidence
-    (tmp_path / "flown" / "requirements.json").write_text("{}")
-    with pytest.raises(gs.InputError, match=r"requirements\.json: is not what gyrostat verify wrote"):
-        gs.CampaignResult(tmp_path / "flown").to_html(tmp_path / "other.html")
+    left = json.loads((tmp_path / "flown" / "requirements.json").read_text())
+    for spoilt in ({}, left | {"runs": 10**9, "max_runs": 10**9}, left | {"runs": 0}, left | {"runs": 1e999}):
+        (tmp_path / "flown" / "requirements.json").write_text(json.dumps(spoilt))
+        with pytest.raises(gs.InputError, match=r"requirements\.json: is not what gyrostat verify wrote"):
+            gs.CampaignResult(tmp_path / "flown").to_html(tmp_path / "other.html")
     assert not (tmp_path / "other.html").exists()
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import math
 import random
@@ -11,7 +12,9 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -412,6 +415,17 @@ def gyrostat(*arguments: Any, **options: Any) -> subprocess.CompletedProcess[str
     return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False, **options)
 
 
+def loaded(path: str) -> ModuleType:
+    """A script of the repository."""
+    name = path.replace("/", "_")
+    spec = importlib.util.spec_from_loader(name, SourceFileLoader(name, str(Path(__file__).parents[2] / path)))
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 def toml_of(tmp_path: Path, **changes: Any) -> Path:
     path = tmp_path / "campaign.toml"
     campaign(**changes).to_toml(path)
@@ -419,34 +433,15 @@ def toml_of(tmp_path: Path, **changes: Any) -> Path:
 
 
 def test_twenty_kills_lose_nothing_and_double_nothing(tmp_path: Path) -> None:
-    """Killed while it flies and writes; then one run of the command more gives the folder flown in one go."""
+    """Killed while it flies and writes; then one more run of it gives the folder flown in one go.
+
+    ``scripts/kill_campaign`` does so fifty times and more.
+    """
+    script = loaded("scripts/kill_campaign")
     file, out = toml_of(tmp_path), tmp_path / "killed"
-    runs, chunk = 40_000, 20
-    command = [sys.executable, "-c", START, "campaign", str(file), "--runs", str(runs), "--chunk", str(chunk)]
-    command += ["--jobs", "1", "--out", str(out)]
-    rng = random.Random(3)
-    progressed = 0
-    for _ in range(20):
-        before = len(list((out / "parts").glob("part-*"))) if out.exists() else 0
-        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
-            deadline = time.monotonic() + 60.0
-            while process.poll() is None and time.monotonic() < deadline:
-                if out.exists() and len(list((out / "parts").glob("part-*"))) > before:
-                    break
-                time.sleep(0.002)
-            time.sleep(rng.uniform(0.0, 0.1))
-            process.send_signal(signal.SIGKILL)
-            assert process.wait() == -signal.SIGKILL  # it was not finished
-        progressed += len(list((out / "parts").glob("part-*"))) > before
-    assert progressed == 20
-    there = gs.CampaignResult(out).parts()
-    least = max(p.end for p in there)
-    assert [p.first for p in there] == list(range(0, least, chunk))  # none lost, none twice
-    done = gyrostat(file, "--runs", least + chunk, "--out", out)  # fewer than were wanted: what is there and one more
-    assert done.returncode == 0, done.stderr
-    in_one_go = campaign().run(least + chunk, out=tmp_path / "in_one_go")
-    assert gs.CampaignResult(out).table_hash == in_one_go.table_hash
-    assert [p.name for p in out.rglob(".*")] == []
+    runs = script.killed(file, out, 20, seed=3)
+    assert runs >= 20 * script.CHUNK
+    assert script.differences(campaign(), out, runs, tmp_path / "in_one_go") == []
 
 
 def test_ctrl_c_leaves_a_folder_that_can_be_taken_up_within_two_seconds(tmp_path: Path) -> None:

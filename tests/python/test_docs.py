@@ -19,6 +19,7 @@ import pytest
 
 import gyrostat as gs
 from gyrostat import _core, cli
+from gyrostat.verification.requirements import RequirementFile
 
 ROOT = Path(__file__).parents[2]
 
@@ -276,9 +277,12 @@ def test_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "toml")], ids=name)
 def test_toml_examples_are_valid(page: Path) -> None:
-    """A whole scenario and a campaign stand alone; a part is put into the reference scenario, or a shipped one."""
+    """A whole scenario, a campaign and requirements stand alone; a part is put into a scenario that it fits."""
     for text in blocks(page, "toml"):
         tables = tomllib.loads(text)
+        if "requirement" in tables:
+            RequirementFile(**tables)
+            continue
         if "base" in tables:
             gs.Campaign.from_dict(tables)
             continue

@@ -213,7 +213,7 @@ def test_coxs_interval_holds_the_mean_of_lognormal_numbers() -> None:
     ("arguments", "message"),
     [
         ({"inputs": 0}, "at least one input or block"),
-        ({"inputs": 2, "population": 505}, "population = 505: population x share has to be a whole number"),
+        ({"inputs": 2, "population": 505}, "population = 505: a multiple of 10 belongs here"),
         ({"inputs": 2, "share": 0.3}, "share = 0.3: one over a whole number"),
         ({"inputs": 2, "replicates": 1}, "replicates = 1: without two"),
     ],

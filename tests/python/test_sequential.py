@@ -196,7 +196,7 @@ def test_the_rate_interval_is_the_set_of_the_formula(n: int, share: float, log_p
 
 
 def test_more_failures_than_runs_are_no_interval() -> None:
-    with pytest.raises(ValueError, match="failures = 86 of runs = 82"):
+    with pytest.raises(InputError, match="failures = 86: from 0 to runs = 82"):
         rate_interval(82, 86)
 
 
@@ -280,3 +280,9 @@ def test_what_is_no_probability_or_no_run_is_refused() -> None:
         SequentialTest(0.1).decide([10], 10)
     with pytest.raises(InputError, match="in order and each once"):
         SequentialTest(0.1).decide([3, 3], 10)
+
+
+@pytest.mark.parametrize(("runs", "failures"), [(3, 4), (0, 1), (5, -1)])
+def test_an_interval_of_what_is_no_count_is_refused(runs: int, failures: int) -> None:
+    with pytest.raises(InputError, match=f"failures = {failures}: from 0 to runs = {runs} belongs here"):
+        rate_interval(runs, failures)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -175,6 +176,49 @@ def test_a_rare_loss_of_flights_has_the_probability_of_its_angle(tmp_path: Path)
     assert flight.run()["error.angle"][-1] - 0.999 == pytest.approx(first.margin, abs=1e-12)
 
 
+def walking(probability: float) -> gs.Campaign:
+    """Lost is a flight whose gyro has walked too far: a sum of the noise of all of its seconds, and nothing else."""
+    walk, steps, dt = 1e-3, 20, 0.5
+    limit = -special.ndtri(probability / 2) * walk * math.sqrt(steps * dt)  # of a normal number, on either side
+    changes = {
+        "duration": steps * dt,
+        "dt": dt,
+        "initial.omega_BN_B": [0.0, 0.0, 0.0],
+        "sensors": [{"type": "gyro", "rate_random_walk": walk}],
+    }
+    return gs.Campaign.from_dict(
+        {"base": "wheel2_degraded", "set": CAMPAIGN["set"] | changes}
+        | {"measure": {"walk": {"metric": "final", "signal": "measurement.omega_BN_B", "column": 0}}}
+        | {"success": {"walk": {"below": float(limit)}}, "margin": {"measure": "walk"}}
+    )
+
+
+def test_a_loss_by_noise_alone_has_its_probability_and_can_be_flown_again(tmp_path: Path) -> None:
+    campaign = walking(1e-4)
+    assert (campaign.dimension, campaign.noise_blocks()) == (0, 11)
+    got = gs.rare(campaign, seed=1, out=tmp_path)
+    assert got.status == "converged"
+    assert got.interval[0] < 1e-4 < got.interval[1]
+    first = got.lost[0]
+    flight = flown.scenario(campaign, first.z, first.number, None, first.versions)
+    again = gs.Scenario.from_dict(tomllib.loads(flight.to_toml())).run(channels=["measurement.omega_BN_B"])
+    walked = abs(again["measurement.omega_BN_B"][-1, 0])
+    assert walked - campaign.spec.success["walk"].below == first.margin
+    with pytest.raises(InputError, match=r"versions of shape \(2, 3\); \(2, 11\) belongs here"):
+        campaign.evaluate(np.empty((2, 0)), versions=np.ones((2, 3)))
+
+
+def test_noise_of_a_version_is_the_same_in_whichever_run_and_second_by_second() -> None:
+    campaign = walking(1e-4)
+    versions = np.arange(1.0, 12.0)[None, :]
+    one, other = (campaign.evaluate(np.empty((1, 0)), first=i, versions=versions).measures["walk"] for i in (0, 7))
+    assert one == other
+    later = np.where(np.arange(11) < 4, versions, 99.0)
+    a, b = (campaign.scenario_at([], 0, None, v[0]).run(channels=["measurement.*"]) for v in (versions, later))
+    same = (a["measurement.omega_BN_B"] == b["measurement.omega_BN_B"]).all(axis=1)
+    assert same.tolist() == [t < 4.0 for t in a.t]
+
+
 def test_the_worst_case_of_flights_is_the_nearest_angle_and_nothing_else() -> None:
     campaign = rare_campaign(0.999)
     got = gs.worst(campaign, budget=1500, seed=1)
@@ -225,6 +269,13 @@ def test_tuned_gains_can_be_pasted_and_are_reported_on_other_flights(tmp_path: P
     assert (out / "trade.png").exists()
     base = gs.Campaign.load(tmp_path / "campaign.toml").base
     assert base.replace(**{f"controller.{k}": v for k, v in gains.items()}).run().status == "completed"
+    every = ("tune", tmp_path / "campaign.toml", "--train", 10, "--held-out", 10, "--budget", 30, "--out", out)
+    code, text = call(*every)  # also of components that the scenario does not name
+    assert code == 0, text
+    tables = toml.read(out / "gains.toml")
+    assert {"observer", "controller", "allocator"} <= set(tables)
+    assert base.allocator is None
+    assert base.replace(**tables).run().status == "completed"
     code, text = call("tune", tmp_path / "campaign.toml", "--vary", "controller.nothing")
     assert code == 2
     assert "'controller.nothing' is no positive number of a component" in text

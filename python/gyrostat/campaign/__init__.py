@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from gyrostat.campaign.results import CampaignResult, CellCounts
     from gyrostat.campaign.running import State
     from gyrostat.campaign.sketches import Sketch
+    from gyrostat.campaign.torque import torque_left
 
 __all__ = [
     "Campaign",
@@ -34,6 +35,7 @@ __all__ = [
     "dist",
     "join",
     "shipped",
+    "torque_left",
 ]
 
 _home_of = {
@@ -49,6 +51,7 @@ _home_of = {
     "compare": "comparing",
     "join": "joining",
     "shipped": "catalogue",
+    "torque_left": "torque",
 }
 
 

@@ -22,7 +22,7 @@ from gyrostat.campaign import chunks
 from gyrostat.campaign.catalogue import shipped
 from gyrostat.campaign.chunks import Chunk
 from gyrostat.campaign.distributions import Distribution
-from gyrostat.campaign.flights import Cell, Cells, Outcome
+from gyrostat.campaign.flights import Cell, Cells, Outcome, unknown_cell
 from gyrostat.campaign.inputs import Draws, Inputs
 from gyrostat.campaign.limits import whole
 from gyrostat.campaign.sampling import REPLICATES, LatinHypercube, Plain, Sampling, Sobol
@@ -259,6 +259,7 @@ class Campaign:
         *,
         first: int = 0,
         cell: str | None = None,
+        versions: ArrayLike | None = None,
         jobs: int | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Outcome:
@@ -272,6 +273,9 @@ class Campaign:
             Number of the first; first, first + 1, ... key the noise.
         cell
             Where there is a grid: which.
+        versions
+            Of the noise of each second, shape (n, `noise_blocks`), whole numbers from 1 to 2^53: instead of that of
+            the runs. What has the same version has the same noise, in whichever run.
         jobs
             Threads; as many as there are cores if absent.
         progress
@@ -283,16 +287,25 @@ class Campaign:
             Measures, success, margin, status, cause, end time: a row a point.
         """
         whole("first", first)
-        return self._cell(cell).fly(self.drawn(u).values, first, jobs, progress)
+        flying, values = self._versioned(cell, self.drawn(u).values, versions)
+        return flying.fly(values, first, jobs, progress)
 
     def scenario(self, run: int, cell: str | None = None) -> Scenario:
         """The plain scenario that a run is: flown by itself, it gives the same row to the bit."""
         return self.scenario_at(self.points(run, run + 1)[0], run, cell)
 
-    def scenario_at(self, u: ArrayLike, run: int = 0, cell: str | None = None) -> Scenario:
-        """The plain scenario of a point, shape (dimension,), flown with the noise of a run."""
+    def scenario_at(
+        self, u: ArrayLike, run: int = 0, cell: str | None = None, versions: ArrayLike | None = None
+    ) -> Scenario:
+        """The plain scenario of a point, shape (dimension,), flown with the noise of a run, or of these versions."""
         point = np.asarray(u, dtype=float)
-        return self._cell(cell).scenario(self.drawn(point[None, :]).values[0], run)
+        more = None if versions is None else np.asarray(versions)[None, :]
+        flying, values = self._versioned(cell, self.drawn(point[None, :]).values, more)
+        return flying.scenario(values[0], run)
+
+    def noise_blocks(self, cell: str | None = None) -> int:
+        """Seconds whose noise may have a version of its own; 0 where there are no sensors."""
+        return self._cell(cell).noise_blocks
 
     def fly(
         self, first: int, end: int, *, jobs: int | None = None, progress: Callable[[float], None] | None = None
@@ -365,13 +378,22 @@ class Campaign:
             raise InputError(f"points is missing: how many a replicate of '{self.spec.sampling}' has")
         return (LatinHypercube if self.spec.sampling == "lhs" else Sobol)(streams, seed, n)
 
+    def _versioned(self, label: str | None, values: Array, versions: ArrayLike | None) -> tuple[Cell, Array]:
+        cell = self._cell(label)
+        if versions is None:
+            return cell, values
+        more = np.asarray(versions, dtype=float)
+        if cell.noise_blocks == 0 or more.shape != (len(values), cell.noise_blocks):
+            raise InputError(f"versions of shape {more.shape}; ({len(values)}, {cell.noise_blocks}) belongs here")
+        return cell.versioned, np.hstack([values, more])
+
     def _cell(self, label: str | None) -> Cell:
         if label is None:
             if len(self.cells) > 1:
                 raise InputError(f"which cell? there are: {', '.join(self.cells)}")
             return next(iter(self.cells.values()))
         if label not in self.cells:
-            raise InputError(f"no cell '{label}'{suggestion(label, self.cells)}")
+            raise unknown_cell(label, self.cells)
         return self.cells[label]
 
     def _checked(self, u: ArrayLike) -> Array:

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from gyrostat.campaign.flights import unknown_cell
 from gyrostat.campaign.results import CampaignResult
-from gyrostat.errors import InputError, suggestion
+from gyrostat.errors import InputError
 from gyrostat.verification.sequential import rate_interval
 
 
@@ -55,7 +56,7 @@ def compare(found: CampaignResult, reference: str | None = None) -> list[Compari
     cells = list(found.counts)
     base = cells[0] if reference is None else reference
     if base not in cells:
-        raise InputError(f"no cell '{base}'{suggestion(base, cells)}")
+        raise unknown_cell(base, cells)
     success = np.concatenate([np.asarray(t.column("success"), dtype=bool) for t in found.tables(["success"])])
     if len(success) != len(cells) * found.runs:
         raise InputError(f"{found.folder}: keeps failures alone; cells are compared run by run")
@@ -65,9 +66,13 @@ def compare(found: CampaignResult, reference: str | None = None) -> list[Compari
 
 def _compared(label: str, ok: NDArray[np.bool_], base: NDArray[np.bool_]) -> Comparison:
     lost, saved = int(np.count_nonzero(~ok & base)), int(np.count_nonzero(ok & ~base))
-    p = 1.0 if lost + saved == 0 else float(stats.binomtest(lost, lost + saved).pvalue)
     failures = int(np.count_nonzero(~ok))
-    return Comparison(label, len(ok), failures, rate_interval(len(ok), failures), lost, saved, p)
+    return Comparison(label, len(ok), failures, rate_interval(len(ok), failures), lost, saved, mcnemar(lost, saved))
 
 
-__all__ = ["Comparison", "compare"]
+def mcnemar(lost: int, saved: int) -> float:
+    """Exact p, two-sided, that runs which one of two lost alone are as often lost as saved."""
+    return 1.0 if lost + saved == 0 else float(stats.binomtest(lost, lost + saved).pvalue)
+
+
+__all__ = ["Comparison", "compare", "mcnemar"]

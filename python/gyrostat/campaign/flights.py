@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -16,7 +18,7 @@ from gyrostat.campaign.inputs import Draws, Inputs, never
 from gyrostat.campaign.judging import Judge
 from gyrostat.campaign.spec import Spec
 from gyrostat.campaign.streams import Array
-from gyrostat.errors import InputError, input_errors
+from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.experiment import Experiment, Flights, usual_measures
 from gyrostat.scenario import Scenario, with_objects
 from gyrostat.text import one_line
@@ -57,7 +59,8 @@ class Cell:
     def __init__(self, label: str, scenario: Scenario, inputs: Inputs, spec: Spec) -> None:
         self.label = label
         self.plain = scenario
-        measures = spec.measure or usual_measures(scenario.duration)
+        self._inputs = inputs
+        self._measures = measures = spec.measure or usual_measures(scenario.duration)
         with input_errors(f"cell '{label}'" if label else ""):
             for varied in inputs.varied:
                 found = Experiment(inputs.scenario(scenario), vary=varied.paths, measure={}).columns
@@ -68,6 +71,19 @@ class Cell:
                     )
             self.experiment = Experiment(inputs.scenario(scenario), vary=inputs.paths, measure=measures)
             self.judge = Judge.of(spec, measures, scenario.duration)
+
+    @property
+    def noise_blocks(self) -> int:
+        """Seconds whose noise has a version of its own; 0 without sensors."""
+        return math.floor(self.plain.duration) + 1 if self.plain.sensors else 0
+
+    @cached_property
+    def versioned(self) -> Cell:
+        """The same, with the versions of its blocks of noise as further values, after all others."""
+        other = copy(self)
+        scenario = self._inputs.scenario(self.plain).replace(noise_versions=[0.0] * self.noise_blocks)
+        other.experiment = Experiment(scenario, vary=[*self._inputs.paths, "noise_versions"], measure=self._measures)
+        return other
 
     def fly(self, values: Array, first: int, threads: int | None, progress: Progress | None = None) -> Outcome:
         """Runs first, first + 1, ..., one a row of values."""
@@ -150,6 +166,12 @@ def _joined(parts: list[Flights], first: int) -> Flights:
     )
 
 
+def unknown_cell(label: str, known: Iterable[str]) -> InputError:
+    """The error for a cell that is not there."""
+    labels = list(known)
+    return InputError(f"no cell '{label}'" + ("; there is no grid" if labels == [""] else suggestion(label, labels)))
+
+
 class Cells:
     """All cells of a campaign; the first level of every factor comes first."""
 
@@ -176,4 +198,4 @@ class Cells:
         return made
 
 
-__all__ = ["RAISED", "Cell", "Cells", "Draws", "Outcome"]
+__all__ = ["RAISED", "Cell", "Cells", "Draws", "Outcome", "unknown_cell"]

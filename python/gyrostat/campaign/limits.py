@@ -17,7 +17,8 @@ MOST_RUNS = 2**31 - 1
 def whole(name: str, number: Any, least: int = 0) -> int:
     """Refuse what is no whole number of runs."""
     if isinstance(number, bool) or not isinstance(number, int | np.integer) or not least <= number <= MOST_RUNS:
-        raise InputError(f"{name} = {shown(number)}: a whole number from {least} on belongs here")
+        most = f"to {MOST_RUNS}" if isinstance(number, int | np.integer) and number > MOST_RUNS else "on"
+        raise InputError(f"{name} = {shown(number)}: a whole number from {least} {most} belongs here")
     return int(number)
 
 

@@ -16,6 +16,7 @@ import typer
 
 from gyrostat.campaign.results import CampaignResult
 from gyrostat.campaign.running import State
+from gyrostat.errors import InputError
 from gyrostat.printing import columns
 
 
@@ -75,6 +76,24 @@ def hashes(found: CampaignResult) -> None:
     """What the folder is."""
     typer.echo(f"identity {found.identity}")
     typer.echo(f"table    {found.table_hash}")
+
+
+_most_inputs = 12
+
+
+def sensitivities(found: CampaignResult) -> None:
+    """A line an input, those first that explain most: first-order indices in each cell."""
+    from gyrostat.campaign.rows import Rows
+    from gyrostat.campaign.sensitivities import sensitivities as indices_of
+
+    told = indices_of(Rows.of(found))
+    if told is None:
+        raise InputError(f"{found.folder}: --inputs needs the rows of all runs, and independent ones, 64 at least")
+    typer.echo(f"share of the variance of {told.of} that an input explains alone:")
+    lines: list[tuple[str, ...]] = [("input", *(label or "all flights" for label in told.indices))]
+    for i, name in enumerate(told.inputs[:_most_inputs]):
+        lines.append((name, *(f"{100 * max(float(x[i]), 0.0):.3g} %" for x in told.indices.values())))
+    columns(lines)
 
 
 def comparison(found: CampaignResult, reference: str | None) -> None:
@@ -143,4 +162,15 @@ def _shown(value: Any) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-__all__ = ["as_table", "comparison", "duration", "hashes", "progress", "rerun", "rerun_command", "result", "state_line"]
+__all__ = [
+    "as_table",
+    "comparison",
+    "duration",
+    "hashes",
+    "progress",
+    "rerun",
+    "rerun_command",
+    "result",
+    "sensitivities",
+    "state_line",
+]

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 
+from gyrostat.campaign.flights import unknown_cell
 from gyrostat.campaign.sketches import Sketch
 from gyrostat.campaign.store import Part, Store
 from gyrostat.errors import InputError, input_errors
@@ -135,7 +136,7 @@ class CampaignResult:
         table = pa.concat_tables(parts).unify_dictionaries()
         if cell is not None:
             if cell not in self.counts:
-                raise InputError(f"no cell '{cell}'; there are: {', '.join(self.counts)}")
+                raise unknown_cell(cell, self.counts)
             table = table.filter(pc.equal(table.column("cell").cast(pa.string()), cell))
         return table if columns is None else table.select(list(columns))
 

@@ -79,6 +79,18 @@ class Rows:
         x = np.asarray(rows[measure], dtype=float)
         return np.where(np.isnan(x) | (rows["status"] != "completed"), np.inf, x)
 
+    def points(self, run: NDArray[np.int64]) -> Array:
+        """Uniform inputs of runs in their order, shape (n, dimension), drawn in stretches."""
+        campaign = self.found.campaign
+        if not len(run):
+            return np.empty((0, campaign.dimension))
+        parts = []
+        for first in range(int(run[0]), int(run[-1]) + 1, 20_000):
+            mine = run[(run >= first) & (run < first + 20_000)]
+            if len(mine):
+                parts.append(campaign.points(first, int(mine[-1]) + 1)[mine - first])
+        return np.concatenate(parts)
+
     def inputs(self) -> list[str]:
         """Columns of what was drawn."""
         fixed = {"run", "cell", "success", "margin", "status", "cause", "t_end", *self.measures}

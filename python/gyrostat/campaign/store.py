@@ -28,12 +28,13 @@ import pyarrow.parquet as pq
 
 from gyrostat.campaign import chunks
 from gyrostat.campaign.chunks import Chunk
-from gyrostat.errors import FileError, InputError
+from gyrostat.campaign.limits import whole
+from gyrostat.errors import FileError, InputError, input_errors
 from gyrostat.files import file_errors, replacing, writable_folder
 from gyrostat.text import shown
 
 FORMAT = 1
-_keys = ("format", "identity", "resolved", "campaign", "chunk", "runs")
+_keys = {"format": int, "identity": str, "resolved": dict, "campaign": dict | None, "chunk": int, "runs": int}
 _name = re.compile(r"part-(\d{1,18})-(\d{1,18})\.parquet")
 
 
@@ -80,10 +81,13 @@ class Store:
             read = json.loads(text)
         except ValueError:
             read = None
-        if not isinstance(read, dict) or not set(_keys) <= set(read):
+        if not isinstance(read, dict) or not all(k in read and isinstance(read[k], kind) for k, kind in _keys.items()):
             raise InputError(f"{path}: is no manifest of a campaign")
         if read["format"] != FORMAT:
             raise InputError(f"{path}: is of format {shown(read['format'])}; {FORMAT} is read")
+        for key in ("chunk", "runs"):
+            with input_errors(str(path)):
+                whole(key, read[key], least=1)
         return read
 
     def begin(self, manifest: dict[str, Any]) -> None:
@@ -260,7 +264,12 @@ def first_difference(there: Any, here: Any, path: str = "") -> str | None:
             if (found := first_difference(a, b, f"{path}.{i}")) is not None:
                 return found
         return None
-    return None if there == here else f"{path}: {shown(there)} there, {shown(here)} here"
+    return None if there == here else f"{path}: {_brief(there)} there, {_brief(here)} here"
+
+
+def _brief(value: Any) -> str:
+    text = shown(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 __all__ = ["FORMAT", "Part", "Store", "first_difference"]

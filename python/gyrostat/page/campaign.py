@@ -16,8 +16,10 @@ from gyrostat.files import writable_folder, write_text
 from gyrostat.page import campaign_blocks as blocks
 from gyrostat.page import campaign_figures as figures
 from gyrostat.page.fault_maps import fault_maps
+from gyrostat.page.rare import chip, rare, rare_identity
 from gyrostat.page.writer import GENERATOR, asset, filled, page_path
 from gyrostat.verification.requirements import Report, verified
+from gyrostat.verification.searched import Searched
 
 
 def write_campaign_page(path: str | Path, found: CampaignResult, against: str | None = None) -> Path:
@@ -43,14 +45,44 @@ def write_campaign_page(path: str | Path, found: CampaignResult, against: str | 
         A folder without runs, no such cell, or a place where something else is or nothing can be written.
     """
     target = page_path(path)
-    report = verified(found)
-    text = _page(Rows.of(found), report, against)
+    report, searched = verified(found), Searched.read(found.folder)
+    if searched is not None and searched.identity != found.identity:
+        searched = None
+    text = _page(Rows.of(found), report, searched, against)
     writable_folder(target.parent)
     write_text(target, text)
     return target
 
 
-def _page(rows: Rows, report: Report | None, against: str | None) -> str:
+def write_rare_page(path: str | Path, folder: Path, searched: Searched) -> Path:
+    """Write the page of a search for rare failures, where no campaign is in its folder.
+
+    Parameters
+    ----------
+    path
+        A file that ends in ``.html``, or a folder for ``index.html``.
+    folder
+        Of ``gyrostat rare``.
+    searched
+        What it holds.
+
+    Returns
+    -------
+    Path
+        The page.
+    """
+    target = page_path(path)
+    parts = [
+        ("what", "What this is", rare_identity(searched)),
+        ("rare", "Rare failures", rare(searched, folder)),
+    ]
+    text = _filled(searched.campaign or folder.resolve().name, "", chip(searched), parts)
+    writable_folder(target.parent)
+    write_text(target, text)
+    return target
+
+
+def _page(rows: Rows, report: Report | None, searched: Searched | None, against: str | None) -> str:
     found = rows.found
     parts = [
         ("verdict", "Verdict", "" if report is None else blocks.verdict(report)),
@@ -65,10 +97,15 @@ def _page(rows: Rows, report: Report | None, against: str | None) -> str:
         ("worst", "Worst ten", blocks.worst(rows)),
         ("statuses", "How flights ended", blocks.statuses(rows)),
         ("evidence", "Evidence against runs", "" if report is None else figures.evidence(report)),
+        ("rare", "Rare failures", "" if searched is None else rare(searched, found.folder)),
         ("assumptions", "What this rests on", blocks.assumptions(rows)),
     ]
     name = str((found.manifest["campaign"] or {}).get("name") or found.folder.resolve().name)
     about = str((found.manifest["campaign"] or {}).get("description", ""))
+    return _filled(name, about, blocks.chips(rows, report), parts)
+
+
+def _filled(name: str, about: str, chips: str, parts: list[tuple[str, str, str]]) -> str:
     body = "\n".join(f'<section id="{id_}"><h2>{title}</h2>{text}</section>' for id_, title, text in parts if text)
     return filled(
         asset("plain.html"),
@@ -78,11 +115,11 @@ def _page(rows: Rows, report: Report | None, against: str | None) -> str:
             "title": escape(name),
             "description": escape(about),
             "style": asset("page.css") + asset("plain.css"),
-            "chips": blocks.chips(rows, report),
+            "chips": chips,
             "blocks": body,
             "script": asset("theme.js") + asset("plain.js"),
         },
     )
 
 
-__all__ = ["write_campaign_page"]
+__all__ = ["write_campaign_page", "write_rare_page"]

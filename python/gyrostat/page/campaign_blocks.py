@@ -14,13 +14,13 @@ from scipy import stats
 
 from gyrostat import toml
 from gyrostat.campaign.comparing import compare
+from gyrostat.campaign.flights import unknown_cell
 from gyrostat.campaign.printing import rerun_command
 from gyrostat.campaign.results import CampaignResult
 from gyrostat.campaign.rows import Rows
 from gyrostat.campaign.sampled_faults import NONE
-from gyrostat.errors import InputError, suggestion
 from gyrostat.page.tables import table
-from gyrostat.verification.requirements import Report
+from gyrostat.verification.requirements import Report, in_words
 from gyrostat.verification.sequential import quantile_interval, rate_interval
 
 LEVELS = (0.5, 0.95, 0.99)
@@ -73,28 +73,26 @@ def verdict(report: Report) -> str:
         wanted = f"failures at most {v.limit:.3g}"
         if r.percentile is not None:
             wanted = f"{percent(r.percentile.level)} of {r.percentile.of} at most {r.percentile.at_most:.4g}"
-        needed = ""
-        if j.needed is not None:
-            needed = f"{j.needed.median:.3g}" if math.isfinite(j.needed.median) else "more than max_runs"
+        needed = "" if j.needed is None else in_words(j.needed.median)
         lines.append(
             [
                 j.name,
-                r.text,
-                f"{wanted}, confidence {r.confidence:g}",
                 f"{v.outcome} at run {v.runs}",
+                r.text,
                 str(v.failures),
                 f"{low:.3g} to {high:.3g}",
+                f"{wanted}, confidence {r.confidence:g}",
                 f"{_evidence(v.log_e_pass)} / {_evidence(v.log_e_fail)}",
                 needed,
             ]
         )
     head = (
         "requirement",
-        "says",
-        "wanted",
         "verdict",
+        "says",
         "failures",
         "probability",
+        "wanted",
         "evidence PASS / FAIL",
         "runs needed",
     )
@@ -196,7 +194,7 @@ def paired(rows: Rows, against: str | None) -> str:
     labels = list(found.counts)
     base = labels[0] if against is None else against
     if base not in labels:
-        raise InputError(f"no cell '{base}'{suggestion(base, labels)}")
+        raise unknown_cell(base, labels)
     if len(labels) < 2:
         return ""
     if not (rows.whole and rows.independent):

@@ -10,18 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrostat.campaign.rows import Rows
+from gyrostat.campaign.sensitivities import MOST_RUNS
+from gyrostat.campaign.sensitivities import sensitivities as indices_of
 from gyrostat.page.campaign_blocks import called, note, percent
 from gyrostat.page.svg import Axis, Plot, keys
 from gyrostat.page.tables import table
 from gyrostat.results import Result
 from gyrostat.verification.requirements import Report
-from gyrostat.verification.sensitivity import failure_histogram, first_order
+from gyrostat.verification.sensitivity import failure_histogram
 from gyrostat.verification.sequential import distribution_band
 
 Array = NDArray[np.float64]
 
 _most_kept = 200
-_most_runs = 100_000
 _most_inputs = 8
 _drawn_inputs = 3
 _most_cells = 8
@@ -105,28 +106,20 @@ def sensitivities(rows: Rows) -> str:
     if not rows.independent:
         return note("Sensitivities are taken from independent runs: sampling = 'plain'.")
     names = np.array(campaign.inputs)
-    parts = [_indices(rows, names), *(_inputs_of_lost(rows, label, names) for label in list(rows.cells)[:_most_cells])]
+    parts = [_indices(rows), *(_inputs_of_lost(rows, label, names) for label in list(rows.cells)[:_most_cells])]
     return "".join(parts) or note("Too few runs for sensitivities, and none was lost.")
 
 
-def _indices(rows: Rows, names: NDArray[np.str_]) -> str:
-    measure = next(iter(rows.spec["success"]), next(iter(rows.measures)))
-    if not rows.whole:
+def _indices(rows: Rows) -> str:
+    found = indices_of(rows)
+    if found is None:
         return ""
-    found = {}
-    for label, columns in rows.cells.items():
-        run = columns["run"].astype(np.int64)[:_most_runs]
-        x = rows.values(label, measure)[:_most_runs]
-        y = np.log(np.maximum(x, 1e-300)) if (rows.spec["success"].get(measure) or {}).get("scale") == "log" else x
-        found[label] = first_order(_points(rows, run), y)
-    best = np.nan_to_num(np.array(list(found.values())), nan=-1.0).max(axis=0)
-    if best.max() < 0.0:
-        return ""
-    order = np.argsort(-best)[:_most_inputs]
-    lines = [[str(names[i]), *(_share(indices[i]) for indices in found.values())] for i in order]
-    of = f"log {measure}" if (rows.spec["success"].get(measure) or {}).get("scale") == "log" else measure
-    said = f"Share of the variance of {of} that an input explains alone (first-order index), of finite values."
-    return note(said) + table(("input", *(called(label) for label in found)), lines)
+    lines = [
+        [name, *(_share(float(indices[i])) for indices in found.indices.values())]
+        for i, name in enumerate(found.inputs[:_most_inputs])
+    ]
+    said = f"Share of the variance of {found.of} that an input explains alone (first-order index), of finite values."
+    return note(said) + table(("input", *(called(label) for label in found.indices)), lines)
 
 
 def _share(index: float) -> str:
@@ -138,8 +131,8 @@ def _inputs_of_lost(rows: Rows, label: str, names: NDArray[np.str_]) -> str:
     lost = ~columns["success"].astype(bool)
     if int(lost.sum()) < 2:
         return ""
-    run = columns["run"].astype(np.int64)[lost][:_most_runs]
-    found = failure_histogram(_points(rows, run), np.ones(len(run), bool), bins=_bins)
+    run = columns["run"].astype(np.int64)[lost][:MOST_RUNS]
+    found = failure_histogram(rows.points(run), np.ones(len(run), bool), bins=_bins)
     uneven = ((found.counts - len(run) / _bins) ** 2).sum(axis=1)
     edges = np.linspace(0.0, 1.0, _bins + 1)
     drawn = []
@@ -151,19 +144,6 @@ def _inputs_of_lost(rows: Rows, label: str, names: NDArray[np.str_]) -> str:
     head = f"Inputs of the {int(lost.sum())} lost flights{f', {label}' if label else ''}"
     said = "Dashed: an input that does not matter. Bars of one input with 95 % intervals of Clopper and Pearson."
     return f"<h3>{escape(head)}</h3>{note(said)}" + f'<div class="figures small">{"".join(drawn)}</div>'
-
-
-def _points(rows: Rows, run: NDArray[np.int64]) -> Array:
-    """Uniform inputs of runs, shape (n, dimension), drawn in stretches."""
-    campaign = rows.found.campaign
-    if not len(run):
-        return np.empty((0, campaign.dimension))
-    parts = []
-    for first in range(int(run[0]), int(run[-1]) + 1, 20_000):
-        mine = run[(run >= first) & (run < first + 20_000)]
-        if len(mine):
-            parts.append(campaign.points(first, int(mine[-1]) + 1)[mine - first])
-    return np.concatenate(parts)
 
 
 def evidence(report: Report) -> str:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Campaigns as the searches see them: a point of independent normal inputs becomes a flight, and its margin comes back.
 
-Each flight has the noise of its number among all that the search flew, so that a flight that was found can be flown
-again by itself.
+`rare` moves through noise as through any other input: each second of a flight has noise of a version that its chain
+holds. In the other searches a flight has the noise of its number among all that were flown. Either way a flight that
+was found can be flown again by itself.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ from scipy import special
 from gyrostat.errors import InputError
 from gyrostat.verification.journal import remembered
 from gyrostat.verification.rare import Rare, SubsetSimulation
+from gyrostat.verification.searched import Searched
 from gyrostat.verification.tune import FlownSet, Tuned, Tuner, graded_time
+from gyrostat.verification.words import Words
 from gyrostat.verification.worst import Smallest, WorstCase, explanation, shrunk, squared_norm
 
 if TYPE_CHECKING:
@@ -37,6 +40,11 @@ def uniform(z: Floats) -> Floats:
     return np.asarray(np.clip(special.ndtr(z), _SMALLEST, 1 - _SMALLEST))
 
 
+def noise_versions(words: Words) -> Floats:
+    """Versions of noise of words, as a scenario holds them."""
+    return np.asarray((words >> np.uint64(11)).astype(np.float64))
+
+
 class FlownMargin:
     """Margins of flights, numbered in the order in which they are asked for."""
 
@@ -48,20 +56,23 @@ class FlownMargin:
             )
         self.campaign, self.cell, self.jobs = campaign, cell, jobs
         self.asked = 0
-        self.fly: Callable[[Floats, NDArray[np.int64]], Floats] = self._fly
+        self.fly: Callable[..., Floats] = self._fly
 
-    def __call__(self, z: Floats) -> Floats:
-        """Of a batch, shape (n, d) to (n,)."""
+    def __call__(self, z: Floats, *versions: Words) -> Floats:
+        """Of a batch, shape (n, d) to (n,), with the noise of their numbers, or of versions, shape (n, blocks)."""
         first = self.asked
         self.asked += len(z)
-        return self.fly(z, np.array([first]))
+        return self.fly(z, np.array([first]), *versions)
 
     def again(self, z: Floats, number: int) -> Floats:
         """Of one flight, shape (1, d), with the noise of a number."""
         return self._fly(z, np.array([number]))
 
-    def _fly(self, z: Floats, first: NDArray[np.int64]) -> Floats:
-        outcome = self.campaign.evaluate(uniform(z), first=int(first[0]), cell=self.cell, jobs=self.jobs)
+    def _fly(self, z: Floats, first: NDArray[np.int64], words: Words | None = None) -> Floats:
+        versions = None if words is None else noise_versions(words)
+        outcome = self.campaign.evaluate(
+            uniform(z), first=int(first[0]), cell=self.cell, versions=versions, jobs=self.jobs
+        )
         assert outcome.margin is not None  # has_margin
         return outcome.margin
 
@@ -85,9 +96,12 @@ class Explained:
     needs: tuple[str, ...]
 
 
-def scenario(campaign: Campaign, z: Floats, number: int, cell: str | None = None) -> Scenario:
+def scenario(
+    campaign: Campaign, z: Floats, number: int, cell: str | None = None, versions: Words | None = None
+) -> Scenario:
     """The plain scenario of a flight that a search flew."""
-    return campaign.scenario_at(uniform(z), number, cell)
+    noise = None if versions is None or versions.size == 0 else noise_versions(versions)
+    return campaign.scenario_at(uniform(z), number, cell, noise)
 
 
 def rare(
@@ -113,15 +127,21 @@ def rare(
     jobs
         Threads; they change no bit.
     out
-        A folder that is there: it remembers what was flown, and a search that was killed goes on.
+        A folder that is there: it remembers what was flown, a search that was killed goes on, and `gyrostat report`
+        writes its page.
     """
     margin = FlownMargin(campaign, cell, jobs)
-    plan = SubsetSimulation(campaign.dimension, 0, seed, population, replicates=replicates)
+    blocks = campaign.noise_blocks(cell)
+    plan = SubsetSimulation(campaign.dimension, blocks, seed, population, replicates=replicates)
     with ExitStack() as stack:
-        if out is not None:
-            told = f"rare {plan} {cell} {_identity(campaign)}"
-            margin.fly = stack.enter_context(remembered(margin.fly, out / "margins.bin", told))
-        return plan.run(margin)
+        if out is None:
+            return plan.run(margin)
+        identity = _identity(campaign)
+        told = f"rare {plan} {cell} {identity}"
+        margin.fly = stack.enter_context(remembered(margin.fly, out / "margins.bin", told))
+        found = plan.run(margin)
+    Searched(found, campaign.name, identity, cell, seed).write(out)
+    return found
 
 
 def worst(
@@ -191,6 +211,9 @@ def tune(
     for key in parameters:
         if key not in known:
             raise InputError(f"tune: '{key}' is no positive number of a component; there are: {', '.join(known)}")
+        if parameters.count(key) > 1:
+            raise InputError(f"tune: '{key}' stands twice")
+    _changed(campaign, {key: known[key] for key in parameters})  # says why, if these cannot be flown
     splits = {"train": (0, train), "held-out": (train, train + held_out)}
 
     def fly(factors: Floats, split: str) -> FlownSet | None:
@@ -245,9 +268,13 @@ def _changed(campaign: Campaign, changes: dict[str, float]) -> Campaign:
     tables = campaign.spec.table()
     for key in ("measure", "success", "margin", "keep"):
         tables.pop(key, None)
-    base = campaign.base.replace(**changes) if changes else campaign.base
-    if not all(row["ok"] for row in base.check()):
-        raise InputError("refused")
+    resolved = campaign.base.resolve()
+    roles = {key.partition(".")[0] for key in changes}
+    usual = {role: resolved[role]["type"] for role in sorted(roles) if getattr(campaign.base, role) is None}
+    base = campaign.base.replace(**usual, **changes)
+    for row in base.check():
+        if not row["ok"]:
+            raise InputError(f"{row['where']}: {row['quantity']} = {row['value']:g} is refused")
     return Campaign.from_dict({**tables, "base": base.to_dict()})
 
 
@@ -307,4 +334,15 @@ def _number(text: str) -> bool:
     return True
 
 
-__all__ = ["Explained", "FlownMargin", "draw_trade", "parameters_of", "rare", "scenario", "tune", "uniform", "worst"]
+__all__ = [
+    "Explained",
+    "FlownMargin",
+    "draw_trade",
+    "noise_versions",
+    "parameters_of",
+    "rare",
+    "scenario",
+    "tune",
+    "uniform",
+    "worst",
+]

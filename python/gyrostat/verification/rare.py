@@ -170,7 +170,7 @@ class SubsetSimulation:
         if not 0 < self.share <= 0.5 or not _whole(1 / self.share):
             raise InputError(f"share = {self.share:g}: one over a whole number, 2 or more, belongs here")
         if self.population < 2 or not _whole(self.population * self.share):
-            raise InputError(f"population = {self.population}: population x share has to be a whole number")
+            raise InputError(f"population = {self.population}: a multiple of {self.moves} belongs here")
         if self.replicates < 2:
             raise InputError(f"replicates = {self.replicates}: without two of them there is no interval")
 

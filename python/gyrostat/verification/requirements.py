@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from gyrostat import toml
+from gyrostat.campaign.flights import unknown_cell
 from gyrostat.campaign.limits import MOST_RUNS
 from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.files import file_errors, write_text
@@ -48,6 +49,11 @@ GROWTH = 0.1
 SENSITIVITY_RUNS = 100_000
 VERIFIED = "requirements.json"
 """In a folder: what was verified."""
+
+
+def shipped() -> dict[str, Path]:
+    """Files of requirements that come with the package, by name."""
+    return {p.stem: p for p in sorted((Path(__file__).parent.parent / "requirements").glob("*.toml"))}
 
 
 class Bounds(Model):
@@ -158,8 +164,13 @@ class RequirementFile(Model):
         return self
 
     @classmethod
-    def load(cls, path: str | Path) -> RequirementFile:
-        """Read a TOML file; a campaign that is a file is looked for beside it. Messages name the file."""
+    def load(cls, name: str | Path) -> RequirementFile:
+        """Of a file, or shipped, by name. A campaign that is a file is looked for beside it. Messages name the file."""
+        path, known = Path(name), shipped()
+        if path.suffix != ".toml" and str(name) in known:
+            path = known[str(name)]
+        elif path.suffix != ".toml" and not path.exists():
+            raise InputError(f"no requirements '{name}'{suggestion(str(name), known)}")
         tables = toml.read(Path(path))
         with input_errors(str(path)):
             read = cls(**tables)
@@ -281,7 +292,7 @@ def verify(
         if goal >= most or together(outcomes) != "UNDECIDED":
             break
         goal = min(most, goal + max(500, int(GROWTH * goal) // 500 * 500))
-    report = _reported(found, campaign, result, most)
+    report = _reported(found, campaign, result, most, wanted.max_runs)
     draw_evidence(report, folder / "evidence.png")
     told = {"file": wanted.model_dump(mode="json", exclude_none=True), "runs": goal, "max_runs": most}
     write_text(folder / VERIFIED, json.dumps(told, indent=1) + "\n")
@@ -305,14 +316,17 @@ def verified(result: CampaignResult) -> Report | None:
         try:
             told = json.loads(text)
             file, runs, most = RequirementFile(**told["file"]), int(told["runs"]), int(told["max_runs"])
-        except (ValueError, TypeError, KeyError):
-            raise InputError("is not what gyrostat verify wrote; call it again") from None
+        except (ValueError, TypeError, KeyError, OverflowError):
+            runs, most = 0, 0
+        if not 1 <= runs <= min(result.runs, most):
+            raise InputError("is not what gyrostat verify wrote; call it again")
         pairs = _pairs(file, result.campaign)
-    return _reported(_Failures.of(result, pairs, runs), result.campaign, result, most)
+    return _reported(_Failures.of(result, pairs, runs), result.campaign, result, most, file.max_runs)
 
 
-def _reported(found: _Failures, campaign: Campaign, result: CampaignResult, most: int) -> Report:
-    judgements = tuple(_judged(found, i, campaign, result, most) for i in range(len(found.pairs)))
+def _reported(found: _Failures, campaign: Campaign, result: CampaignResult, most: int, affordable: int) -> Report:
+    ahead = max(most, affordable)
+    judgements = tuple(_judged(found, i, campaign, result, ahead) for i in range(len(found.pairs)))
     outcome = together([j.verdict.outcome for j in judgements])
     return Report(outcome, judgements, found.runs, most, result.folder)
 
@@ -335,7 +349,7 @@ def _pairs(file: RequirementFile, campaign: Campaign) -> list[tuple[Requirement,
             if not requirement.measures and not campaign.spec.success:
                 raise InputError("neither 'fails' nor the campaign's [success] says what a failure is")
             if requirement.cell is not None and requirement.cell not in campaign.cells:
-                raise InputError(f"no cell '{requirement.cell}'{suggestion(requirement.cell, campaign.cells)}")
+                raise unknown_cell(requirement.cell, campaign.cells)
         cells = campaign.cells if requirement.cell is None else (requirement.cell,)
         pairs += [(requirement, cell) for cell in cells]
     tests = []
@@ -379,13 +393,13 @@ def _column(column: Any) -> NDArray[Any]:
     return np.asarray(values)
 
 
-def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult, most: int) -> Judgement:
+def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult, ahead: int) -> Judgement:
     requirement, cell, test = found.pairs[i]
     failures = found.failures[i]
     verdict = test.decide(failures, found.runs)
     needed = None
     if verdict.outcome == "UNDECIDED":
-        needed = test.still_needed(verdict.runs, verdict.failures, most=most)
+        needed = test.still_needed(verdict.runs, verdict.failures, most=ahead)
     measure = requirement.measures[0] if requirement.measures else next(iter(campaign.spec.success), None)
     quantile: tuple[float, float] | None = None
     dominant: tuple[tuple[str, float], ...] = ()
@@ -403,6 +417,11 @@ def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult
     evidence = test.evidence(failures, found.runs)
     named = tuple(failures[:LISTED].tolist())
     return Judgement(requirement, cell, verdict, needed, quantile, named, dominant, evidence)
+
+
+def in_words(needed: float) -> str:
+    """Runs that are still needed, to three digits."""
+    return f"{float(f'{needed:.3g}'):.0f}" if math.isfinite(needed) else "more than max_runs"
 
 
 def draw_evidence(report: Report, path: Path) -> None:
@@ -444,6 +463,8 @@ __all__ = [
     "Requirement",
     "RequirementFile",
     "draw_evidence",
+    "in_words",
+    "shipped",
     "verified",
     "verify",
 ]

@@ -314,12 +314,12 @@ def rate_interval(runs: int, failures: int, alpha: float = 0.05) -> tuple[float,
 
     Raises
     ------
-    ValueError
+    InputError
         More failures than runs.
     """
     n, S = runs, failures
     if not 0 <= S <= n:
-        raise ValueError(f"failures = {failures} of runs = {runs}: must be from 0 to runs")
+        raise InputError(f"failures = {S}: from 0 to runs = {n} belongs here")
     if n == 0:
         return 0.0, 1.0
 

@@ -542,7 +542,7 @@ void read_reference(const Table& scenario, Assembly& a) {
 
 void read_run(const Table& scenario, Assembly& a) {
   Table run;
-  for (const char* key : {"duration", "dt", "seed", "run_number", "allow_unstable"}) {
+  for (const char* key : {"duration", "dt", "seed", "run_number", "noise_versions", "allow_unstable"}) {
     if (const Value* value = scenario.find(key)) run.set(key, *value);
   }
   a.run = read_params(RunBlock{}, run, Place{"scenario"});
@@ -560,10 +560,10 @@ void read_run(const Table& scenario, Assembly& a) {
 
 void refuse_unknown_keys(const Table& scenario) {
   static const std::vector<std::string> known = {
-      "name",    "description",  "duration",  "dt",           "seed",       "run_number", "allow_unstable",
-      "vehicle", "truth",        "orbit",     "desaturation", "flexible",   "cmg",        "thrusters",
-      "initial", "navigator",    "observer",  "detector",     "controller", "allocator",  "faults",
-      "shadows", "disturbances", "reference", "sensors",      "record",     "integrator"};
+      "name",           "description", "duration",     "dt",        "seed",         "run_number", "noise_versions",
+      "allow_unstable", "vehicle",     "truth",        "orbit",     "desaturation", "flexible",   "cmg",
+      "thrusters",      "initial",     "navigator",    "observer",  "detector",     "controller", "allocator",
+      "faults",         "shadows",     "disturbances", "reference", "sensors",      "record",     "integrator"};
   detail::refuse_unknown(scenario, Place{"scenario"}, known);
 }
 
@@ -641,7 +641,7 @@ void fill_from_sensors(Assembly& a) {
 /// Refuses sensors that cannot be, before anything flies.
 void check_sensors(const Assembly& a) {
   (void)truth::Sensors(a.sensors, a.run.seed, a.run.run_number, false, a.setup.dt, a.setup.vehicle.wheels,
-                       a.plant.orbit);
+                       a.plant.orbit, a.run.noise_versions);
   if (a.setup.vehicle.coordinates == Coordinates::body) return;
   for (const truth::Sensor& sensor : a.sensors) {
     if (std::holds_alternative<truth::StarTracker>(sensor)) refuse("sensor star_tracker: flies on body coordinates");

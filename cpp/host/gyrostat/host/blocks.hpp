@@ -175,6 +175,7 @@ struct RunBlock {
   static constexpr const char* name = "run";
   double duration = detail::none, dt = detail::none;
   std::uint64_t seed = 0, run_number = 0;
+  std::vector<double> noise_versions;
   bool allow_unstable = false;
 
   static constexpr void describe(auto& p, auto&& field) {
@@ -183,6 +184,10 @@ struct RunBlock {
     field(p.seed, Field{"seed", "", 0, 9.2e18, "of all noise"});
     field(p.run_number,
           Field{"run_number", "", 0, 9.2e18, "of a flight among many: noise of its own from the same seed"});
+    field(p.noise_versions,
+          Field{"noise_versions", "", 0, 0x1p53,
+                "of the noise of each second, whole numbers; 0, and after the last: the run's own; any other is the "
+                "same noise in all runs of a seed"});
     field(p.allow_unstable, Switch{"allow_unstable", "run settings whose check says unstable"});
   }
 };

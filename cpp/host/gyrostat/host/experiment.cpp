@@ -97,8 +97,8 @@ struct Objects {
           const std::vector<std::string>& channels)
       : a(std::move(a_in)),
         plant(make_plant(a)),
-        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels,
-                a.plant.orbit),
+        sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels, a.plant.orbit,
+                a.run.noise_versions),
         reference(make_reference(a, external)),
         parts(a, external),
         outside(external.outside ? external.outside(a.setup) : Outside{}) {}

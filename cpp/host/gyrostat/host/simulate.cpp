@@ -312,7 +312,7 @@ namespace {
 RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalComponents& external,
                 const RunOptions& options) {
   truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(options.channels), a.setup.dt,
-                         a.setup.vehicle.wheels, a.plant.orbit);
+                         a.setup.vehicle.wheels, a.plant.orbit, a.run.noise_versions);
   ReferencePath reference = make_reference(a, external);
   FlightParts parts(a, external);
   const Outside outside = external.outside ? external.outside(a.setup) : Outside{};

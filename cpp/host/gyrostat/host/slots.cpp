@@ -98,9 +98,9 @@ struct Slots::Target {
 
 Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::vector<std::string> words) {
   static const std::vector<std::string> heads = {
-      "vehicle", "orbit",   "desaturation", "flexible",  "cmg",      "thrusters",  "truth",
-      "initial", "seed",    "navigator",    "observer",  "detector", "controller", "allocator",
-      "faults",  "shadows", "disturbances", "reference", "sensors",  "integrator"};
+      "vehicle",   "orbit",  "desaturation",   "flexible",     "cmg",       "thrusters", "truth",
+      "initial",   "seed",   "noise_versions", "navigator",    "observer",  "detector",  "controller",
+      "allocator", "faults", "shadows",        "disturbances", "reference", "sensors",   "integrator"};
   const auto next = [&] {
     if (words.empty()) refuse(path, "more belongs here: the name of a parameter");
     const std::string word = words.front();
@@ -129,6 +129,10 @@ Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::
   if (head == "seed") {
     if (table_.find("seed") == nullptr) table_.set("seed", 0);
     return {&table_, {}, describe("run", "run").params, {"seed"}};
+  }
+  if (head == "noise_versions") {
+    words.insert(words.begin(), head);
+    return {&table_, {}, describe("run", "run").params, words};
   }
   if (head == "vehicle" || head == "orbit" || head == "desaturation" || head == "flexible" || head == "cmg" ||
       head == "thrusters" || head == "truth" || head == "initial")

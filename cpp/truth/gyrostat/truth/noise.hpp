@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Standard normal deviates by counter: a function of (seed, run, stream, tick), the same on every machine.
+/// @file  Standard normal deviates by counter: a function of (seed, run, stream, tick, version), the same on
+///        every machine.
 ///
 /// Philox4x64-10 gives four words (Salmon, Moraes, Dror, Shaw 2011), Box and Muller's form two deviates of two words:
 /// sqrt(-2 ln u) (cos, sin)(2 pi v). Logarithm, sine and cosine are polynomials over exactly reduced arguments, without the
@@ -66,8 +67,9 @@ inline double radius(std::uint64_t word) noexcept { return std::sqrt(-2 * logari
 }  // namespace detail
 
 /// Three standard normal numbers of a stream at a tick; any of them alone, in any order.
-inline Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std::uint64_t stream, Tick tick) noexcept {
-  const r123::Philox4x64::ctr_type w = r123::Philox4x64()({{tick, stream, 0, 0}}, {{seed, run}});
+inline Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std::uint64_t stream, Tick tick,
+                                     std::uint64_t version = 0) noexcept {
+  const r123::Philox4x64::ctr_type w = r123::Philox4x64()({{tick, stream, version, 0}}, {{seed, run}});
   double r[2];
   detail::OnCircle at[2];
   for (std::size_t i = 0; i < 2; ++i) r[i] = detail::radius(w[2 * i + 1]);  // both at once, where the processor can
@@ -76,9 +78,9 @@ inline Vec3<double> standard_normals(std::uint64_t seed, std::uint64_t run, std:
 }
 
 /// Four numbers of a stream at a tick, uniform in [0, 1), in steps of 2^-52.
-inline std::array<double, 4> standard_uniforms(std::uint64_t seed, std::uint64_t run, std::uint64_t stream,
-                                               Tick tick) noexcept {
-  const r123::Philox4x64::ctr_type w = r123::Philox4x64()({{tick, stream, 0, 0}}, {{seed, run}});
+inline std::array<double, 4> standard_uniforms(std::uint64_t seed, std::uint64_t run, std::uint64_t stream, Tick tick,
+                                               std::uint64_t version = 0) noexcept {
+  const r123::Philox4x64::ctr_type w = r123::Philox4x64()({{tick, stream, version, 0}}, {{seed, run}});
   return {detail::unit_of(w[0]) - 1, detail::unit_of(w[1]) - 1, detail::unit_of(w[2]) - 1, detail::unit_of(w[3]) - 1};
 }
 

@@ -86,8 +86,14 @@ const T& Sensors::DelayLine<T>::through(const T& now) {
 }
 
 Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler, double dt,
-                 Mask wheels, std::optional<Orbit> orbit)
-    : orbit_(std::move(orbit)), seed_(seed), run_(run), euler_(euler), dt_(dt), wheels_(wheels) {
+                 Mask wheels, std::optional<Orbit> orbit, std::vector<double> versions)
+    : orbit_(std::move(orbit)),
+      seed_(seed),
+      run_(run),
+      euler_(euler),
+      dt_(dt),
+      wheels_(wheels),
+      versions_(std::move(versions)) {
   int gyros = 0, attitudes = 0, suns = 0, fields = 0, tachometers = 0;
   for (const Sensor& sensor : sensors) {
     if (take_fault(sensor)) continue;
@@ -151,6 +157,11 @@ void Sensors::check() const {
   if (timed && !(dt_ > 0)) refuse(Gyro::name, "needs the sample period");
   if (!tracker_.blind.empty() && !(dt_ > 0)) refuse(StarTracker::name, "needs the sample period");
   if (std::abs(tracker_.q_BS.norm() - 1) > 1e-3) refuse(StarTracker::name, "q_BS is no unit quaternion");
+  for (const double v : versions_) {
+    if (!(v >= 0) || v > 0x1p53 || v != std::floor(v))
+      throw std::invalid_argument("noise_versions: whole numbers from 0 to 2^53 belong there");
+  }
+  if (!versions_.empty() && !(dt_ > 0)) throw std::invalid_argument("noise_versions: need the sample period");
   if (!(tracker_.rate_max >= 0) || !(tracker_.outlier_probability >= 0) || tracker_.outlier_probability > 1)
     refuse(StarTracker::name, "rate_max must not be negative, and outlier_probability in [0, 1]");
   if (tracker_.outlier_probability > 0 && tracker_.outlier_angle == 0)
@@ -236,6 +247,18 @@ void Sensors::drop_out(Measurement<double>& y) {
   y.rate_valid = y.rate_valid && !rate_clipped_;
 }
 
+std::pair<std::uint64_t, std::uint64_t> Sensors::run_and_version(Tick tick) const noexcept {
+  if (versions_.empty()) return {run_, 0};
+  const auto second = static_cast<std::size_t>(static_cast<double>(tick) * dt_ + 1e-9);
+  if (second >= versions_.size() || versions_[second] == 0) return {run_, 0};
+  return {0, static_cast<std::uint64_t>(versions_[second])};
+}
+
+Vec3<double> Sensors::normals(std::uint64_t stream, Tick tick) const noexcept {
+  const auto [run, version] = run_and_version(tick);
+  return standard_normals(seed_, run, stream, tick, version);
+}
+
 Vec3<double> Sensors::rate(Tick tick, const Vec3<double>& omega) {
   const double t = static_cast<double>(tick) * dt_;
   rate_fresh_ = scheduled(tick, gyro_.every, gyro_.phase) && !inside(gyro_.dropouts, t);
@@ -243,11 +266,10 @@ Vec3<double> Sensors::rate(Tick tick, const Vec3<double>& omega) {
   if (!distortion_.isZero(0)) shown += (distortion_ * shown).eval();
   shown += gyro_.bias;
   if (gyro_.rate_random_walk > 0) {
-    if (tick > 0)
-      walk_ += gyro_.rate_random_walk * std::sqrt(dt_) * standard_normals(seed_, run_, rate_random_walk_stream, tick);
+    if (tick > 0) walk_ += gyro_.rate_random_walk * std::sqrt(dt_) * normals(rate_random_walk_stream, tick);
     shown += walk_;
   }
-  if (rate_noise_ > 0) shown += rate_noise_ * standard_normals(seed_, run_, gyro_stream, tick);
+  if (rate_noise_ > 0) shown += rate_noise_ * normals(gyro_stream, tick);
   rate_clipped_ = shown.cwiseAbs().maxCoeff() > gyro_.range;
   if (rate_clipped_) shown = shown.cwiseMax(-gyro_.range).cwiseMin(gyro_.range).eval();
   for (double& element : shown) element = quantised(element, gyro_.quantisation);
@@ -261,10 +283,11 @@ Quat<double> Sensors::tracked(Tick tick, const Exposure& now) {
   const double t_seen = (static_cast<double>(tick) - tracker_.latency) * dt_;
   attitude_fresh_ = exposures_.full() && scheduled(tick, tracker_.every, tracker_.phase) &&
                     !inside(tracker_.blind, t_seen) && !(seen.rate > tracker_.rate_max) && !dazzled(t_seen, seen.q_NB);
-  const Vec3<double> error_S = tracker_.noise.cwiseProduct(standard_normals(seed_, run_, tracker_stream, tick));
+  const Vec3<double> error_S = tracker_.noise.cwiseProduct(normals(tracker_stream, tick));
   Quat<double> q = seen.q_NB * small_rotation(tracker_.q_BS * error_S);
   if (tracker_.outlier_probability > 0 || tracker_.flip_sign) {
-    const std::array<double, 4> u = standard_uniforms(seed_, run_, outlier_stream, tick);
+    const auto [run, version] = run_and_version(tick);
+    const std::array<double, 4> u = standard_uniforms(seed_, run, outlier_stream, tick, version);
     if (u[0] < tracker_.outlier_probability) q = q * quat_exp<double>(tracker_.outlier_angle * on_sphere(u[1], u[2]));
     if (tracker_.flip_sign && u[3] < 0.5) q.coeffs() = -q.coeffs();
   }
@@ -291,8 +314,7 @@ void Sensors::see_sky(Measurement<double>& y, const Quat<double>& q_NB) {
   y.field_valid = scheduled(y.tick, magnetometer_.every, magnetometer_.phase) && !inside(magnetometer_.blind, t);
   if (y.field_valid) {
     field_shown_B_ = q_BN * y.field_N + magnetometer_.offset;
-    if (magnetometer_.noise > 0)
-      field_shown_B_ += magnetometer_.noise * standard_normals(seed_, run_, magnetometer_stream, y.tick);
+    if (magnetometer_.noise > 0) field_shown_B_ += magnetometer_.noise * normals(magnetometer_stream, y.tick);
   }
   y.field_B = field_shown_B_;
   if (!has_sun_sensor_) return;
@@ -301,7 +323,7 @@ void Sensors::see_sky(Measurement<double>& y, const Quat<double>& q_NB) {
                 angle_between(sun_B, sun_sensor_.boresight_B) <= sun_sensor_.field_of_view && !orbit_->dark(t);
   if (y.sun_valid) {
     sun_shown_B_ = sun_B;
-    if (sun_sensor_.noise > 0) sun_shown_B_ += sun_sensor_.noise * standard_normals(seed_, run_, sun_stream, y.tick);
+    if (sun_sensor_.noise > 0) sun_shown_B_ += sun_sensor_.noise * normals(sun_stream, y.tick);
     sun_shown_B_.normalize();
   }
   y.sun_B = sun_shown_B_;
@@ -311,7 +333,7 @@ Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB, const Vec3<d
   if (has_tracker_) return tracked(tick, {q_NB, omega_BN_B.norm()});
   Quat<double> q = attitudes_.through(q_NB);
   if (attitude_.noise > 0) {
-    const Vec3<double> error_B = attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
+    const Vec3<double> error_B = attitude_.noise * normals(attitude_stream, tick);
     q = q * small_rotation(error_B);
   }
   if (attitude_.quantisation > 0) {
@@ -323,7 +345,7 @@ Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB, const Vec3<d
 
 Vec3<double> Sensors::angles(Tick tick, const Vec3<double>& angles) {
   Vec3<double> shown = angles_.through(angles);
-  if (attitude_.noise > 0) shown += attitude_.noise * standard_normals(seed_, run_, attitude_stream, tick);
+  if (attitude_.noise > 0) shown += attitude_.noise * normals(attitude_stream, tick);
   for (double& angle : shown) angle = quantised(angle, attitude_.quantisation);
   return shown;
 }
@@ -334,8 +356,7 @@ VecN<double> Sensors::momentum(Tick tick, const VecN<double>& h_w) {
   Vec3<double> noise = Vec3<double>::Zero();
   for (Eigen::Index i = 0; i < shown.size(); ++i) {
     if (i % 3 == 0 && tachometer_.noise > 0)
-      noise = tachometer_.noise *
-              standard_normals(seed_, run_, tachometer_stream + static_cast<std::uint64_t>(i / 3), tick);
+      noise = tachometer_.noise * normals(tachometer_stream + static_cast<std::uint64_t>(i / 3), tick);
     if (!wheels_.test(static_cast<int>(i))) continue;
     shown[i] = quantised(shown[i] + noise[i % 3], tachometer_.quantisation);
   }

@@ -2,13 +2,14 @@
 /// @file  Sensors: gyro, attitude sensor or star tracker, sun sensor, magnetometer and tachometers; faults of sensors.
 ///
 /// A sensor that has nothing at a sample says so (`rate_valid`, `attitude_valid`, ...), and what it showed last goes on standing there.
-/// Noise is counter-based (Philox, keyed by seed and run; the counter is tick and stream): each number depends on its
-/// own (seed, run, stream, tick) alone, whoever else draws and in whatever order.
+/// Noise is counter-based (Philox, keyed by seed and run; the counter is tick, stream and version): each number depends on
+/// its own (seed, run, stream, tick, version) alone, whoever else draws and in whatever order.
 #pragma once
 #include <cstdint>
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -231,10 +232,12 @@ class Sensors {
   /// @param euler  fill Measurement::euler too (3-2-1 angles and rates of what was measured)
   /// @param dt  sample period, s, of which faults count their onset
   /// @param wheels  actuators with a tachometer
-  /// @param orbit  where sun, Earth and field are; without it there are none
+  /// @param orbit     where sun, Earth and field are; without it there are none
+  /// @param versions  of the noise of each second, whole numbers: 0, and after the last one, that of the run; any other is the
+  ///                  same noise in all runs of a seed
   /// @throws std::invalid_argument for two of a kind, or parameters that cannot be
   Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler = false, double dt = 0,
-          Mask wheels = Mask::all(max_actuators), std::optional<Orbit> orbit = {});
+          Mask wheels = Mask::all(max_actuators), std::optional<Orbit> orbit = {}, std::vector<double> versions = {});
 
   /// To be called once a sample, in order: delays count calls, and a bias that walks adds up. Until a delay has filled, the first
   /// values are given.
@@ -277,6 +280,8 @@ class Sensors {
   bool dazzled(double t, const Quat<double>& q_NB) const;
   void see_sky(Measurement<double>& y, const Quat<double>& q_NB);
   void apply_faults(double t, Vec3<double>& rate);
+  std::pair<std::uint64_t, std::uint64_t> run_and_version(Tick tick) const noexcept;
+  Vec3<double> normals(std::uint64_t stream, Tick tick) const noexcept;
 
   Gyro gyro_;
   AttitudeSensor attitude_;
@@ -290,6 +295,7 @@ class Sensors {
   bool euler_;
   double dt_;
   Mask wheels_;
+  std::vector<double> versions_;
   std::vector<RateScale> scales_;
   std::vector<RateBias> biases_;
   std::vector<RateFreeze> freezes_;
