@@ -222,22 +222,18 @@ def Sun(
 
 def TwoVector(
     *,
-    latitude: float,
-    longitude: float,
     first: Literal["nadir", "zenith", "velocity", "orbit_normal", "sun", "site"] | None = ...,
     second: Literal["nadir", "zenith", "velocity", "orbit_normal", "sun", "site"] | None = ...,
     axis: float | Vector | None = ...,
     second_axis: float | Vector | None = ...,
+    latitude: float | None = ...,
+    longitude: float | None = ...,
     altitude: float | None = ...,
 ) -> Component:
     """The reference 'two_vector'.
 
     Parameters
     ----------
-    latitude
-        of the site, geocentric; rad; [-1.5708, 1.5708]
-    longitude
-        of the site, to the east of Greenwich; rad; [-6.28319, 6.28319]
     first
         where `axis` points; one of nadir, zenith, velocity, orbit_normal, sun, site; default nadir
     second
@@ -246,6 +242,10 @@ def TwoVector(
         of the reference, that points there; of any length; default [0.0, 0.0, 1.0]
     second_axis
         of the reference, as near to the second direction as it goes; default [1.0, 0.0, 0.0]
+    latitude
+        of the site, geocentric; rad; [-1.5708, 1.5708]; default 0.0
+    longitude
+        of the site, to the east of Greenwich; rad; [-6.28319, 6.28319]; default 0.0
     altitude
         of the site above the sphere; m; [-100000, 100000]; default 0.0
     """
