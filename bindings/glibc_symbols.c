@@ -3,5 +3,5 @@
  * that also runs where glibc is older than 2.35. */
 double first_hypot(double x, double y);
 __asm__(".symver first_hypot, hypot@" GYROSTAT_FIRST_GLIBC);
-double __wrap_hypot(double x, double y);
+__attribute__((visibility("hidden"))) double __wrap_hypot(double x, double y);
 double __wrap_hypot(double x, double y) { return first_hypot(x, y); }
