@@ -98,7 +98,8 @@ class Tuned:
     Attributes
     ----------
     factors
-        On the published values, shape (k,): the mean of the last distribution, not the best that was seen.
+        On the published values, shape (k,): the mean of the last distribution, not the best that was seen; 1 where the
+        flights that were tuned on do not fare better with it.
     train, held_out
         Before and after.
     trials
@@ -179,7 +180,8 @@ class Tuner:
             return trials[-1].worst_tenth + PENALTY * sum(over)
 
         mean, evaluations = self._search(cost)
-        factors = np.exp(mean)
+        better = cost(mean) < worst_tenth(published.time)
+        factors = np.exp(mean) if better else one
         train = self._compare(fly, factors, "train", published)
         held_out = self._compare(fly, factors, "held-out", fly(one, "held-out"))
         overfit = worst_tenth(held_out.after) > OVERFIT * worst_tenth(train.after)
