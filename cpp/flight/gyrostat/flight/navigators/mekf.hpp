@@ -308,7 +308,7 @@ class Mekf {
   }
 
   /// A first attitude from two directions of now, carried back to where the filter lives.
-  void acquire(const std::array<Sighting<S>, 2>& seen, const Vec3<S>& bias, Fix how) noexcept {
+  void acquire(const std::array<Sighting<S>, 2>& seen, Vec3<S> bias, Fix how) noexcept {
     const bool best = params_.acquisition == Acquisition::quest;
     const Quat<S> q_now = best ? quest(seen) : triad(seen[0], seen[1]);
     Mat3<S> P_now = best ? quest_covariance(seen) : triad_covariance(seen[0], seen[1]);
