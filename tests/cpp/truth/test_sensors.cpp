@@ -96,7 +96,7 @@ TEST(Sensors, AttitudeNoiseIsARotationWithItsSigmaAnAxis) {
 
 TEST(Sensors, NoiseOfAVersionIsThatOfItsCounterSecondBySecond) {
   const auto noise = [](std::uint64_t run, std::vector<double> versions, Tick k) -> Vec3<double> {
-    Sensors sensors({Gyro{.noise = 1}}, 7, run, false, 0.5, Mask::all(max_actuators), std::move(versions));
+    Sensors sensors({Gyro{.noise = 1}}, 7, run, false, 0.5, Mask::all(max_actuators), {}, std::move(versions));
     return sensors.measure(k, q_0, Vec3<double>::Zero(), no_wheels).omega_BN_B;
   };
   for (const Tick k : {0u, 1u, 2u, 3u}) {  // two samples a second
@@ -106,7 +106,7 @@ TEST(Sensors, NoiseOfAVersionIsThatOfItsCounterSecondBySecond) {
   }
   EXPECT_EQ(noise(3, {5, 6}, 4), standard_normals(7, 3, 1, 4));  // after the last: the run's own
   EXPECT_THROW(noise(3, {1.5}, 0), std::invalid_argument);
-  EXPECT_THROW(Sensors({}, 7, 0, false, 0, Mask::all(max_actuators), {1}), std::invalid_argument);
+  EXPECT_THROW(Sensors({}, 7, 0, false, 0, Mask::all(max_actuators), {}, {1}), std::invalid_argument);
 }
 
 TEST(Sensors, AreTheSameWhoeverElseDraws) {
