@@ -130,7 +130,7 @@ Flight nadir(const Case& c) {
       unchecked, s, Passthrough<double>(unchecked, s, p.observer), Told{known},
       MrpFeedback<double>(unchecked, s, p.controller), PseudoInverse<double>(unchecked, s, p.allocator),
       NoNavigator<double>(unchecked, s, p.navigator), MagneticAxes<double>{axes()}, Law(unchecked, s, law));
-  truth::Sensors sensors({}, 0, 0);
+  truth::Sensors sensors({}, 0, 0, false, s.dt, Mask::all(max_actuators), orbit());
   Flight out;
   for (Tick k = 0; plant.time() < 3 * o.period(); ++k) {
     const double t = plant.time();
@@ -214,7 +214,7 @@ TEST(Desaturation, ATumbleDiesOutOnTorquersAlone) {
   Magnetic stack(unchecked, s, Passthrough<double>(unchecked, s, p.observer), Told{known},
                  OpenLoop<double>(unchecked, s, p.controller), PseudoInverse<double>(unchecked, s, p.allocator),
                  NoNavigator<double>(unchecked, s, p.navigator), MagneticAxes<double>{m.D_B}, Law(unchecked, s, law));
-  truth::Sensors sensors({}, 0, 0);
+  truth::Sensors sensors({}, 0, 0, false, s.dt, Mask::all(max_actuators), orbit());
   double momentum = 1, before = 1;
   for (Tick k = 0; plant.time() < 3 * o.period(); ++k) {
     plant.advance(stack.step(plant.measure(sensors), {}).u);
