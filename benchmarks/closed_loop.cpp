@@ -71,8 +71,8 @@ auto static_joint(const Assembly& a) {
   return static_stack<JointKalman<double>, NoDetector<double>, IntegralSlidingMode<double>, PseudoInverse<double>>(a);
 }
 auto static_recommended(const Assembly& a) {
-  return static_stack<JointKalman<double>, EvidenceDetector<double>, IntegralSlidingMode<double>, Lexicographic<double>>(
-      a);
+  return static_stack<JointKalman<double>, EvidenceDetector<double>, IntegralSlidingMode<double>,
+                      Lexicographic<double>>(a);
 }
 auto static_yang2023(const Assembly& a) {
   return static_stack<AdaptiveIterativeLearningObserver<double>, ThresholdDetector<double>,
