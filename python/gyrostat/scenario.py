@@ -519,13 +519,13 @@ def _leaves(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def find(name: str | Path) -> Path:
-    """The file of a scenario: a path, or the name of a shipped one."""
+    """The file of a scenario: a path, or the name of a shipped one, also where a folder has that name."""
     if not isinstance(name, str | Path):
         raise InputError(f"{shown(name)} is no text and no path; the name or the file of a scenario belongs here")
     path = Path(name)
     known = shipped()
     with suppress(OSError):  # too long for a file, say: then it is no file
-        if path.suffix == ".toml" or path.exists():
+        if path.suffix == ".toml" or (path.exists() and not (path.is_dir() and str(name) in known)):
             return path
     if str(name) in known:
         return known[str(name)]

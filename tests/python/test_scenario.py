@@ -124,3 +124,10 @@ def test_what_is_written_as_toml_is_read_back(tables: dict) -> None:
     import tomllib
 
     assert tomllib.loads(toml.write(tables)) == tables
+
+
+def test_a_folder_of_its_name_does_not_hide_a_shipped_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What `gyrostat run wheel2_degraded --out wheel2_degraded` leaves."""
+    (tmp_path / "wheel2_degraded").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert gs.Scenario.load("wheel2_degraded").name == "wheel2_degraded"

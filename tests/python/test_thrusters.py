@@ -14,6 +14,7 @@ import pytest
 
 import gyrostat as gs
 from gyrostat import _core
+from gyrostat.design import findings
 from gyrostat.design import thrusters as check
 from gyrostat.export import export
 from gyrostat.vehicle import all_actuators, twelve_thrusters
@@ -416,3 +417,11 @@ def test_seventeen_actuators_and_a_vehicle_with_nothing_are_refused() -> None:
         driven(vehicle=gs.Vehicle(J_B=J, D_B=np.ones((3, 5)))).compiled  # noqa: B018
     with pytest.raises(gs.InputError, match=r"D_B is missing"):
         driven(thrusters=None).compiled  # noqa: B018
+
+
+@pytest.mark.parametrize("case", ["twelve_thrusters", "geo_thrusters"])
+def test_check_says_what_is_within_reach(case: str) -> None:
+    """Pairs push both ways about every axis, also with one that sticks closed."""
+    (found,) = (f for f in findings(gs.Scenario.load(case)) if f.name == "every direction")
+    assert found.ok
+    assert "after the faults" in found.text

@@ -122,7 +122,7 @@ def torque_findings(
     list of Finding
         Of a vehicle with an infinite limit only when the signs of its actuators leave out some direction.
     """
-    if len(scenario.vehicle.magnetorquers or ()) == scenario.vehicle.actuators:
+    if scenario.actuators == len(scenario.vehicle.magnetorquers or ()):
         return [Finding("torque", "every direction", "of magnetorquers alone: none along the magnetic field")]
     sets = attainable_after_faults(scenario)
     if sets is None:
