@@ -399,6 +399,15 @@ def flexible_4() -> tuple[Vehicle, Flexible]:
     return vehicle, modes
 
 
+def smallsat_flexible() -> tuple[Vehicle, Flexible]:
+    """A spacecraft of 150 kg with four wheels of 0.1 N m and 1.5 N m s, and the first three modes of its two panels."""
+    vehicle = pyramid4(
+        J_B=((18.0, 0.2, -0.1), (0.2, 14.0, 0.3), (-0.1, 0.3, 12.0)), u_max=0.1, wheel_inertia=3e-3, momentum_max=1.5
+    )
+    delta = ((1.6, 0.0, 0.3), (0.2, 0.0, 1.1), (0.0, 0.5, 0.0))
+    return vehicle, Flexible(delta=delta, omega=(4.4, 5.7, 9.4), xi=(0.005, 0.005, 0.005))
+
+
 def twelve_thrusters() -> tuple[Vehicle, Thrusters]:
     """A 120 kg m^2 body with twelve thrusters of 1 N in pairs about each axis, 0.8 m out, and those thrusters.
 

@@ -284,3 +284,19 @@ def test_the_bandwidth_is_that_of_a_known_loop() -> None:
     law = gs.controller("mrp_feedback", K=4 * 10.0 * 0.09, P=2 * 10.0 * 0.3)
     scenario = gs.Scenario(vehicle=vehicle, controller=law, duration=10.0, dt=0.01)
     assert flexible.bandwidth(scenario) == pytest.approx(0.3, rel=0.02)
+
+
+def test_a_small_spacecraft_turns_through_the_loss_of_a_wheel() -> None:
+    """Bias, star tracker, bending and a dead wheel at once: as without the fault, and the panels rest at the end."""
+    scenario = gs.Scenario.load("smallsat_flexible")
+    vehicle, modes = gs.vehicle.smallsat_flexible()
+    assert (scenario.vehicle, scenario.flexible) == (vehicle, modes)
+    channels = ["error.angle", "truth.eta", "detection.class", "truth.h_w"]
+    lost, healthy = (s.run(channels=channels) for s in (scenario, scenario.replace(faults=[])))
+    for flown in (lost, healthy):
+        assert np.degrees(flown["error.angle"][flown.t > 5.0].max()) < 0.05
+        assert np.degrees(np.sqrt(np.mean(flown["error.angle"][flown.t > 150.0] ** 2))) < 0.005
+        assert np.abs(flown["truth.eta"][flown.t > 150.0]).max() < np.abs(flown["truth.eta"]).max()
+        assert np.abs(flown["truth.h_w"]).max() < 1.5
+    assert list(np.flatnonzero(lost["detection.class"].any(axis=0))) == [2]
+    assert not healthy["detection.class"].any()
