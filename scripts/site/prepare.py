@@ -30,6 +30,8 @@ ELSEWHERE = ("package.md",)
 LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".toml": "toml", ".c": "c", ".h": "c"}
 _link = re.compile(r"(?<=\]\()([^)\s]+)(?=\))")
 _code = re.compile(r"(^(`{3,}).*?^\2`*$|`[^`\n]+`|^    .*?$)", re.DOTALL | re.MULTILINE)
+_inline_at_line_start = re.compile(r"(?:(?<=[^\n])(\n)|^)(?=<math[^>]*display=\"inline\")", re.MULTILINE)
+"""Markdown takes a line that begins so for a block of its own, and ends the paragraph before it."""
 _formula = re.compile(r"\$\$(.+?)\$\$|(?<![\\$\w])\$(?! )([^$\n]+?)(?<! )\$(?!\w)", re.DOTALL)
 
 
@@ -119,7 +121,8 @@ def _with_math(text: str) -> str:
         mathml = convert((match[1] or match[2]).strip(), display="block" if match[1] else "inline")
         return str(mathml).replace("*", "&#42;").replace("_", "&#95;")
 
-    return _outside_code(text, lambda part: _formula.sub(converted, part))
+    done = _outside_code(text, lambda part: _formula.sub(converted, part))
+    return _inline_at_line_start.sub(lambda match: " " if match[1] else "\u200b", done)
 
 
 def _outside_code(text: str, change: Any) -> str:

@@ -57,6 +57,7 @@ def test_formulas_become_mathml(page: str) -> None:
     assert "$" not in outside, "a formula that was not understood"
     assert done.count("<math") == done.count("</math>") > 0
     assert "merror" not in done
+    assert not re.search(r'^<math[^>]*display="inline"', done, re.MULTILINE), "Markdown would end the paragraph there"
 
 
 def test_links_out_of_the_pages_lead_to_pages_made_of_the_files() -> None:
