@@ -11,6 +11,17 @@
 
 namespace gyrostat::truth::test {
 
+/// A circle 500 km up, of the states of test_magnetorquers.cpp.
+inline OrbitElements low_orbit() {
+  OrbitElements k;
+  k.semi_major_axis = 6871200;
+  k.inclination = 1.7;
+  k.raan = 0.7;
+  k.argument_of_latitude = 0.35;
+  k.earth_angle = 1.2;
+  return k;
+}
+
 inline Mat3<double> total_inertia() {
   Mat3<double> J;
   J << 20, 0, 0.9, 0, 17, 0, 0.9, 0, 15;

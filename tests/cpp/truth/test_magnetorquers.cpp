@@ -7,21 +7,12 @@
 
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/truth/rigid_plant.hpp"
+#include "support.hpp"
 
 namespace gyrostat::truth {
 namespace {
 
 using V = Vec3<double>;
-
-OrbitElements orbit() {
-  OrbitElements k;
-  k.semi_major_axis = 6871200;
-  k.inclination = 1.7;
-  k.raan = 0.7;
-  k.argument_of_latitude = 0.35;
-  k.earth_angle = 1.2;
-  return k;
-}
 
 constexpr double dt = 4;
 
@@ -41,7 +32,7 @@ PlantModel torqued(const Integrator& integrator) {
   m.D_B.col(2) = V(0.01, 0, 1).normalized();
   m.actuators = Actuators::ideal(3);
   m.magnetorquers = Mask::all(3);
-  m.orbit.emplace(orbit());
+  m.orbit.emplace(test::low_orbit());
   m.disturbances = {GravityGradient{}, ResidualDipole{{0.1, -0.05, 0.08}}};
   m.integrator = integrator;
   return m;
@@ -102,7 +93,7 @@ TEST(Magnetorquers, ADipoleHeldForLongStaysExact) {
 /// And a wheel, faults of torquers, and eight plates in thin air and sunlight, into the shadow.
 PlantModel plated(const Integrator& integrator) {
   PlantModel m = torqued(integrator);
-  OrbitElements k = orbit();
+  OrbitElements k = test::low_orbit();
   k.argument_of_latitude = 2.9;
   k.sun_N = {0.48, -0.6, 0.64};
   m.orbit.emplace(k);
@@ -182,16 +173,16 @@ V torque_at(const Disturbance& d, double t, const Quat<double>& q, const Mat3<do
 TEST(TorquesOfAnOrbit, GravityGradientVanishesForASphereAndAgreesWithTheOtherConvention) {
   const Quat<double> q = Quat<double>(0.8, 0.2, -0.4, 0.4);
   const Mat3<double> J = torqued(Rk4{}).J_B;
-  EXPECT_LT(torque_at(GravityGradient{}, 777, q, 5 * Mat3<double>::Identity(), orbit()).norm(), 1e-21);
-  const Orbit o(orbit());
+  EXPECT_LT(torque_at(GravityGradient{}, 777, q, 5 * Mat3<double>::Identity(), test::low_orbit()).norm(), 1e-21);
+  const Orbit o(test::low_orbit());
   Disturbances plain({GravityGradient{}}, J, o.mean_motion());
   plain.enter(0);
   for (const double t : {0.0, 777.0, 5000.0}) {
     const Quat<double> q_OB = o.q_NO(0).conjugate() * q;  // N was O at the start there
     const V expected = plain.torque_B(t, q_OB, V::Zero());
-    EXPECT_LT((torque_at(GravityGradient{}, t, q, J, orbit()) - expected).norm(), 1e-12 * expected.norm());
+    EXPECT_LT((torque_at(GravityGradient{}, t, q, J, test::low_orbit()) - expected).norm(), 1e-12 * expected.norm());
   }
-  OrbitElements k = orbit();
+  OrbitElements k = test::low_orbit();
   k.semi_major_axis = 12e6;
   k.eccentricity = 0.4;
   const V r = q.conjugate() * Orbit(k).r_N(777);
@@ -205,7 +196,7 @@ TEST(TorquesOfAnOrbit, NothingFromThePlatesInTheDarkWithoutAir) {
   plate.area = {1};
   plate.normal_B = {{1, 0, 0}};
   plate.centre_B = {{0, 1, 0}};
-  OrbitElements k = orbit();
+  OrbitElements k = test::low_orbit();
   const Mat3<double> J = Mat3<double>::Identity();
   const Orbit o(k);
   double t = 0;
@@ -226,7 +217,7 @@ TEST(TorquesOfAnOrbit, AirFlowsAgainstTheMotionAndThinsWithHeight) {
   plate.centre_B = {{0, 0, 1}};
   plate.solar_pressure = 0;
   plate.density = 1e-12;
-  OrbitElements k = orbit();
+  OrbitElements k = test::low_orbit();
   k.inclination = 0;  // the air turns along
   const Orbit o(k);
   const V v = o.at(0).v_N;

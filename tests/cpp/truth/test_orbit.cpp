@@ -6,23 +6,15 @@
 
 #include <cmath>
 
+#include "support.hpp"
+
 namespace gyrostat::truth {
 namespace {
 
 using V = Vec3<double>;
 
-OrbitElements low() {
-  OrbitElements k;
-  k.semi_major_axis = 6871200;
-  k.inclination = 1.7;
-  k.raan = 0.7;
-  k.argument_of_latitude = 0.35;
-  k.earth_angle = 1.2;
-  return k;
-}
-
 OrbitElements eccentric() {
-  OrbitElements k = low();
+  OrbitElements k = test::low_orbit();
   k.semi_major_axis = 20e6;
   k.eccentricity = 0.6;
   k.perigee = 2.1;
@@ -39,7 +31,7 @@ auto rate_of(const F& f, double t, double h) {
 }
 
 TEST(Orbit, PositionAndFieldOfAnIndependentComputation) {
-  const Orbit orbit(low());
+  const Orbit orbit(test::low_orbit());
   EXPECT_NEAR(orbit.period(), 5668.39, 0.005);
   const V B{-2.0038585943986911e-05, -1.8488950049616697e-05, 1.2552216827201016e-05};
   EXPECT_LT(relative(orbit.field(0).B_N, B), 1e-14);
@@ -49,7 +41,7 @@ TEST(Orbit, PositionAndFieldOfAnIndependentComputation) {
 
 /// Energy, areas and Newton's law: r'' = -mu r / r^3.
 TEST(Orbit, MovesAsTwoBodiesDo) {
-  for (const OrbitElements& elements : {low(), eccentric()}) {
+  for (const OrbitElements& elements : {test::low_orbit(), eccentric()}) {
     const Orbit orbit(elements);
     const double a = elements.semi_major_axis, e = elements.eccentricity;
     for (double t = -3e4; t < 3e4; t += 1777) {
@@ -67,7 +59,7 @@ TEST(Orbit, MovesAsTwoBodiesDo) {
 }
 
 TEST(Orbit, StartsAtItsArgumentOfLatitude) {
-  for (const OrbitElements& elements : {low(), eccentric()}) {
+  for (const OrbitElements& elements : {test::low_orbit(), eccentric()}) {
     const Orbit orbit(elements);
     EXPECT_NEAR(orbit.at(0).latitude, 0.35, 1e-15);
     EXPECT_NEAR(std::asin(orbit.r_N(0).normalized().z()), std::asin(std::sin(1.7) * std::sin(0.35)), 1e-15);
@@ -75,7 +67,7 @@ TEST(Orbit, StartsAtItsArgumentOfLatitude) {
 }
 
 TEST(Orbit, OrbitalFrameLooksDownAndTurnsAsItSays) {
-  for (const OrbitElements& elements : {low(), eccentric()}) {
+  for (const OrbitElements& elements : {test::low_orbit(), eccentric()}) {
     const Orbit orbit(elements);
     Quat<double> before = orbit.q_NO(-40);
     for (double t = 0; t < 3 * orbit.period(); t += 40) {
@@ -94,7 +86,7 @@ TEST(Orbit, OrbitalFrameLooksDownAndTurnsAsItSays) {
 }
 
 TEST(Orbit, FieldPointsDownAtTheNorthPoleAndNorthOverTheEquator) {
-  OrbitElements polar = low();
+  OrbitElements polar = test::low_orbit();
   polar.inclination = std::numbers::pi / 2;
   polar.argument_of_latitude = std::numbers::pi / 2;
   const double scale = std::pow(earth::field_radius / polar.semi_major_axis, 3);
@@ -104,11 +96,11 @@ TEST(Orbit, FieldPointsDownAtTheNorthPoleAndNorthOverTheEquator) {
   EXPECT_NEAR(Orbit(polar).field(0).B_N.z(), -earth::g10 * scale, 1e-12);
   const double day = full_turn / earth::rate;
   EXPECT_NEAR(day, 86164.1, 0.05);
-  EXPECT_NEAR(Orbit(low()).earth_angle(day), 1.2 + full_turn, 1e-12);
+  EXPECT_NEAR(Orbit(test::low_orbit()).earth_angle(day), 1.2 + full_turn, 1e-12);
 }
 
 TEST(Orbit, FieldChangesAsItSays) {
-  for (const OrbitElements& elements : {low(), eccentric()}) {
+  for (const OrbitElements& elements : {test::low_orbit(), eccentric()}) {
     const Orbit orbit(elements);
     for (double t = 0; t < 2e4; t += 911) {
       const V rate = rate_of([&](double s) { return orbit.field(s).B_N; }, t, 5.0);
@@ -125,7 +117,7 @@ double edge_near(const Orbit& orbit, double lo, double hi) {
 }
 
 TEST(Orbit, ShadowsEdgesAreWhereTheGeometryHasThem) {
-  OrbitElements other_sun = low();
+  OrbitElements other_sun = test::low_orbit();
   other_sun.argument_of_latitude = 2.9;
   other_sun.sun_N = {0.48, -0.6, 0.64};
   EXPECT_NEAR(Orbit(other_sun).next_switch(0), 721.3355360244932, 1e-9);
@@ -145,18 +137,18 @@ TEST(Orbit, ShadowsEdgesAreWhereTheGeometryHasThem) {
 }
 
 TEST(Orbit, NoShadowWhereTheSunStandsOverThePlane) {
-  OrbitElements k = low();
+  OrbitElements k = test::low_orbit();
   k.sun_N = Orbit(k).r_N(0).cross(Orbit(k).at(0).v_N);
   EXPECT_EQ(Orbit(k).next_switch(0), std::numeric_limits<double>::infinity());
   for (double t = 0; t < 6000; t += 60) EXPECT_FALSE(Orbit(k).dark(t));
 }
 
 TEST(Orbit, RefusesTheGroundAndASunWithoutDirection) {
-  OrbitElements k = low();
+  OrbitElements k = test::low_orbit();
   k.eccentricity = 0.1;
   EXPECT_EQ(k.check(), "the orbit passes through the Earth: perigee at 6184080 m, must be > 6378137 m");
   EXPECT_THROW(Orbit{k}, std::invalid_argument);
-  k = low();
+  k = test::low_orbit();
   k.sun_N.setZero();
   EXPECT_EQ(k.check(), "sun_N has no direction");
 }
