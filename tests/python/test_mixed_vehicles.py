@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Vehicles with everything at once: wheels, magnetorquers, control moment gyros, thrusters, appendages, a navigator.
 
-Drawn at random with any stack and fault, from a hundredth of the size to a hundred times it: every flight ends at
-its end and every number is finite.
+Drawn at random with any stack and fault, from a ten-thousandth of the size to a hundred times it, at 2 Hz to 1 kHz:
+every flight ends at its end and every number is finite.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def actuators(rng: np.random.Generator) -> dict[str, Any]:
         valves = True
     if wheels + gyros > 0 and valves:
         gyros, dipoles = False, dipoles and not wheels
-    size = 10.0 ** rng.uniform(-2, 2)
+    size = 10.0 ** rng.uniform(-4, 2)
     axes: list[Any] = []
     limits: list[float] = []
     inertias: list[float] = []
@@ -66,7 +66,9 @@ def drawn(rng: np.random.Generator) -> gs.Scenario:
     left_out = {"open_loop"} | (set() if "cmg" in tables else {"singularity_robust"})
     for role in ("observer", "detector", "controller", "allocator"):
         tables[role] = str(rng.choice([name for name in catalogue[role] if name not in left_out]))
-    dt = 0.5 if "thrusters" in tables else float(rng.choice([0.5, 0.1]))
+    dt = float(rng.choice([0.5, 0.1, 0.01, 0.001]))
+    if "thrusters" in tables:
+        tables["thrusters"]["tick"] = dt / 32
     tables |= {
         "dt": dt,
         "duration": 60 * dt,
