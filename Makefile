@@ -34,7 +34,7 @@ cpp: debian-test  ## C++ libraries, optimised: the embedded contract, layers, an
 	@$(STEP) build-release cmake --build --preset release
 	@$(STEP) ctest-release ctest --preset release
 
-asan: debian-test  ## C++ unit tests and a short loop per component, under the address and undefined-behaviour sanitizers
+asan: debian-test  ## C++ unit tests under the address sanitizer; libraries and a short loop per component under that for undefined behaviour too
 	@$(STEP) configure-asan cmake --preset asan
 	@$(STEP) build-asan cmake --build --preset asan
 	@$(STEP) ctest-asan ctest --preset asan
