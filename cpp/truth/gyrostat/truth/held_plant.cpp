@@ -315,21 +315,25 @@ void HeldPlant::absorb_outer_impulse() noexcept {
   }
 }
 
+namespace {
+/// Kahan's sum; `rest` is what the last additions lost.
+void add_compensated(double& sum, double& rest, double change) noexcept {
+  change += rest;
+  const double more = sum + change;
+  rest = change - (more - sum);
+  sum = more;
+}
+}  // namespace
+
 /// Compensated: over many samples a constant torque would else be rounded the same way each time.
 /// @param x  how much of the piece was gone through
 void HeldPlant::take_up_storage(double x) noexcept {
   for (int i = 0; i < actuators_.size(); ++i) {
-    const double change = stored_rest_[i] - length_ * integral(delivered_[static_cast<std::size_t>(i)], x);
-    const double sum = stored_[i] + change;
-    stored_rest_[i] = change - (sum - stored_[i]);
-    stored_[i] = sum;
+    add_compensated(stored_[i], stored_rest_[i], -length_ * integral(delivered_[static_cast<std::size_t>(i)], x));
   }
   const Thrusters& thrusters = actuators_.actuators().thrusters;
   for (int i = thrusters.first; thrusters.has(i); ++i) {
-    const double change = impulse_rest_[i] + length_ * integral(delivered_[static_cast<std::size_t>(i)], x);
-    const double sum = impulse_[i] + change;
-    impulse_rest_[i] = change - (sum - impulse_[i]);
-    impulse_[i] = sum;
+    add_compensated(impulse_[i], impulse_rest_[i], length_ * integral(delivered_[static_cast<std::size_t>(i)], x));
   }
 }
 
