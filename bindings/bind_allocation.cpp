@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "gyrostat/core/types.hpp"
-#include "gyrostat/flight/allocators/allocation_solver.hpp"
-#include "gyrostat/flight/allocators/served_geometry.hpp"
+#include "gyrostat/flight/allocators/parts/allocation_solver.hpp"
+#include "gyrostat/flight/parts/served_geometry.hpp"
 
 namespace gyrostat::bindings {
 namespace {

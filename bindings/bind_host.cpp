@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "gyrostat/flight/compensation_margin.hpp"
+#include "gyrostat/flight/observers/parts/compensation_margin.hpp"
 #include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/experiment.hpp"
 #include "gyrostat/host/flight_model.hpp"

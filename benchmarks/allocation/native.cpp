@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "gyrostat/flight/allocators/allocation_solver.hpp"
+#include "gyrostat/flight/allocators/parts/allocation_solver.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrostat/flight/compensation_margin.hpp"
+#include "gyrostat/flight/observers/parts/compensation_margin.hpp"
 
 #include <gtest/gtest.h>
 

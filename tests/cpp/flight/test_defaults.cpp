@@ -11,11 +11,11 @@
 #include "gyrostat/flight/controllers/prescribed_performance.hpp"
 #include "gyrostat/flight/controllers/saturated_pd.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
-#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
 #include "gyrostat/flight/observers/finite_time_disturbance.hpp"
 #include "gyrostat/flight/observers/iterative_learning.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
+#include "gyrostat/flight/parts/effectiveness_floor.hpp"
 #include "gyrostat/flight/stack.hpp"
 #include "vehicles.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrostat/flight/delay_line.hpp"
+#include "gyrostat/flight/parts/delay_line.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The printed Euler-angle model against its formula, derivatives taken numerically, and a body's reference in Euler angles.
-#include "gyrostat/flight/euler_model.hpp"
+#include "gyrostat/flight/parts/euler_model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrostat/flight/observers/implicit_root.hpp"
+#include "gyrostat/flight/observers/parts/implicit_root.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrostat/flight/mixed_learning.hpp"
+#include "gyrostat/flight/parts/mixed_learning.hpp"
 
 #include <gtest/gtest.h>
 

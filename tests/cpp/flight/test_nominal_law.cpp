@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrostat/flight/controllers/nominal_law.hpp"
+#include "gyrostat/flight/controllers/parts/nominal_law.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "../random.hpp"
-#include "gyrostat/flight/allocators/ldl.hpp"
-#include "gyrostat/flight/authority.hpp"
+#include "gyrostat/flight/allocators/parts/ldl.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
-#include "gyrostat/flight/effectiveness_regression.hpp"
-#include "gyrostat/flight/null_space.hpp"
-#include "gyrostat/flight/schur.hpp"
+#include "gyrostat/flight/detectors/parts/null_space.hpp"
+#include "gyrostat/flight/observers/parts/schur.hpp"
+#include "gyrostat/flight/parts/authority.hpp"
+#include "gyrostat/flight/parts/effectiveness_regression.hpp"
 #include "vehicles.hpp"
 
 namespace gyrostat::test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Attitude of two directions, and the filter that lives on them: against reference numbers and its own statistics.
-#include "gyrostat/flight/vector_attitude.hpp"
+#include "gyrostat/flight/navigators/parts/vector_attitude.hpp"
 
 #include <gtest/gtest.h>
 

@@ -23,8 +23,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gyrostat/flight/euler_model.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/parts/euler_model.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

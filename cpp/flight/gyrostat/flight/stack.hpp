@@ -19,10 +19,10 @@
 #include "gyrostat/core/power.hpp"
 #include "gyrostat/flight/axes.hpp"
 #include "gyrostat/flight/desaturation.hpp"
-#include "gyrostat/flight/effectiveness_floor.hpp"
 #include "gyrostat/flight/estimator.hpp"
 #include "gyrostat/flight/inputs.hpp"
 #include "gyrostat/flight/navigation.hpp"
+#include "gyrostat/flight/parts/effectiveness_floor.hpp"
 #include "gyrostat/flight/pulses.hpp"
 
 namespace gyrostat {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gyrostat/core/components.hpp"
-#include "gyrostat/flight/effectiveness_floor.hpp"
+#include "gyrostat/flight/parts/effectiveness_floor.hpp"
 #include "gyrostat/host/any.hpp"
 #include "gyrostat/host/parameters.hpp"
 
@@ -22,7 +22,7 @@ struct CppClass {
 /// What a component with its parameters has to do with the estimates that others make or use.
 struct Coupling {
   Estimates uses;
-  double effectiveness_floor = -1;  ///< see flight/effectiveness_floor.hpp
+  double effectiveness_floor = -1;  ///< see flight/parts/effectiveness_floor.hpp
 };
 
 /// A flight component of one role, by name.

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "gyrostat/core/attitude.hpp"
-#include "gyrostat/flight/euler_model.hpp"
+#include "gyrostat/flight/parts/euler_model.hpp"
 #include "gyrostat/host/value.hpp"
 
 namespace gyrostat::host {

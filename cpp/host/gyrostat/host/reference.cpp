@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "gyrostat/flight/euler_model.hpp"
+#include "gyrostat/flight/parts/euler_model.hpp"
 
 namespace gyrostat::host {
 namespace {

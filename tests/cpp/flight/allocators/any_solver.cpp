@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "flight/allocators/any_solver.hpp"
 
-#include "gyrostat/flight/allocators/allocation_solver.hpp"
+#include "gyrostat/flight/allocators/parts/allocation_solver.hpp"
 
 namespace gyrostat::test {
 namespace {

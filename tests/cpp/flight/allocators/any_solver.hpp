@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "flight/allocators/certificate.hpp"
-#include "gyrostat/flight/allocators/allocation_problem.hpp"
+#include "gyrostat/flight/allocators/parts/allocation_problem.hpp"
 #include "random.hpp"
 
 namespace gyrostat::test {

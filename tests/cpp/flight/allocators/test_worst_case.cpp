@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 
 #include "flight/allocators/any_solver.hpp"
-#include "gyrostat/flight/allocators/worst_case.hpp"
+#include "gyrostat/flight/allocators/parts/worst_case.hpp"
 
 namespace gyrostat::test {
 namespace {

@@ -5,7 +5,7 @@
 ///
 /// An attainable demand is met exactly. Axes may be served in order of priority. Page: docs/components/lexicographic.md
 #pragma once
-#include "gyrostat/flight/allocators/optimal_allocator.hpp"
+#include "gyrostat/flight/allocators/parts/optimal_allocator.hpp"
 
 namespace gyrostat {
 

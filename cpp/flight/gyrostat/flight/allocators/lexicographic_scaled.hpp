@@ -6,7 +6,7 @@
 /// Where no part of the demand can be had (rate limits may exclude zero torque) the closest torque is delivered.
 /// Page: docs/components/lexicographic_scaled.md
 #pragma once
-#include "gyrostat/flight/allocators/optimal_allocator.hpp"
+#include "gyrostat/flight/allocators/parts/optimal_allocator.hpp"
 
 namespace gyrostat {
 

@@ -7,7 +7,7 @@
 /// norm (exact), or |W r| + margin as printed in Yang et al. 2023, eq. (23) (paper_constant); r = tau - D diag(effectiveness) u.
 /// Page: docs/components/robust_socp.md
 #pragma once
-#include "gyrostat/flight/allocators/optimal_allocator.hpp"
+#include "gyrostat/flight/allocators/parts/optimal_allocator.hpp"
 
 namespace gyrostat {
 

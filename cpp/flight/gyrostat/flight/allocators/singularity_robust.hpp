@@ -13,7 +13,7 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/effectiveness_floor.hpp"
+#include "gyrostat/flight/parts/effectiveness_floor.hpp"
 
 namespace gyrostat {
 

@@ -6,7 +6,7 @@
 /// Unique, and Lipschitz in demand and effectiveness; an attainable demand is missed by about 1/residual_weight.
 /// Page: docs/components/weighted_least_squares.md
 #pragma once
-#include "gyrostat/flight/allocators/optimal_allocator.hpp"
+#include "gyrostat/flight/allocators/parts/optimal_allocator.hpp"
 
 namespace gyrostat {
 

@@ -5,8 +5,8 @@
 ///
 /// Source: the baseline of Yang, Yang, Ji, Ma 2023. Page: docs/components/fast_terminal_sliding_mode.md
 #pragma once
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/sliding_tracking.hpp"
+#include "gyrostat/flight/controllers/parts/sliding_tracking.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
 

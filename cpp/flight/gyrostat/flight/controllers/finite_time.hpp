@@ -5,8 +5,8 @@
 ///
 /// Source: Li, Hu, Yang, Postolache 2018, eq. (19)-(20). Page: docs/components/finite_time.md
 #pragma once
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/nominal_law.hpp"
+#include "gyrostat/flight/controllers/parts/nominal_law.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
 

@@ -14,8 +14,8 @@
 #include <cmath>
 #include <limits>
 
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/nominal_law.hpp"
+#include "gyrostat/flight/controllers/parts/nominal_law.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
 

@@ -10,9 +10,9 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/rate_attitude_surface.hpp"
-#include "gyrostat/flight/mixed_learning.hpp"
+#include "gyrostat/flight/controllers/parts/rate_attitude_surface.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/mixed_learning.hpp"
 
 namespace gyrostat {
 

@@ -7,9 +7,9 @@
 /// is off. Page: docs/components/mrp_feedback.md
 #pragma once
 #include "gyrostat/core/params.hpp"
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/tracking.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/controllers/parts/tracking.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

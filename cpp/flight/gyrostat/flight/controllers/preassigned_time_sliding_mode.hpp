@@ -15,9 +15,9 @@
 
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/euler_model.hpp"
-#include "gyrostat/flight/preassigned_path.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/controllers/parts/preassigned_path.hpp"
+#include "gyrostat/flight/parts/euler_model.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -12,9 +12,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/mrp_surface.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/controllers/parts/mrp_surface.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -6,9 +6,9 @@
 ///
 /// Source: Yang, Yang, Ji, Ma 2023, eq. (11)-(16), corrected. Page: docs/components/prescribed_performance.md
 #pragma once
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/funnel.hpp"
-#include "gyrostat/flight/controllers/sliding_tracking.hpp"
+#include "gyrostat/flight/controllers/parts/funnel.hpp"
+#include "gyrostat/flight/controllers/parts/sliding_tracking.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
 

@@ -7,9 +7,9 @@
 /// for the baseline that Li et al. 2018 cite without giving it. Page: docs/components/saturated_pd.md
 #pragma once
 #include "gyrostat/core/params.hpp"
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/tracking.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/controllers/parts/tracking.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -11,8 +11,8 @@
 #include <array>
 #include <cmath>
 
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/controllers/rate_attitude_surface.hpp"
+#include "gyrostat/flight/controllers/parts/rate_attitude_surface.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
 

@@ -14,9 +14,9 @@
 #include <cstdint>
 
 #include "gyrostat/core/params.hpp"
-#include "gyrostat/flight/detectors/torque_evidence.hpp"
-#include "gyrostat/flight/detectors/wheel_evidence.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/detectors/parts/torque_evidence.hpp"
+#include "gyrostat/flight/detectors/parts/wheel_evidence.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

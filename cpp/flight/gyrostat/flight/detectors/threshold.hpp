@@ -12,9 +12,9 @@
 #include <numbers>
 
 #include "gyrostat/core/params.hpp"
-#include "gyrostat/flight/effectiveness_regression.hpp"
-#include "gyrostat/flight/null_space.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/detectors/parts/null_space.hpp"
+#include "gyrostat/flight/parts/effectiveness_regression.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -16,9 +16,9 @@
 
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/params.hpp"
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/stiffness.hpp"
-#include "gyrostat/flight/vector_attitude.hpp"
+#include "gyrostat/flight/navigators/parts/vector_attitude.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -8,8 +8,8 @@
 #pragma once
 #include <algorithm>
 
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/observers/effectiveness_learning.hpp"
+#include "gyrostat/flight/observers/parts/effectiveness_learning.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
 

@@ -11,9 +11,9 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/observers/implicit_root.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/observers/parts/implicit_root.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -4,8 +4,8 @@
 /// Source: the baseline of Yang, Yang, Ji, Ma 2023 (their [6], [9]): eq. (4) without adaptation and without k2.
 /// Page: docs/components/iterative_learning.md
 #pragma once
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/observers/effectiveness_learning.hpp"
+#include "gyrostat/flight/observers/parts/effectiveness_learning.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
 

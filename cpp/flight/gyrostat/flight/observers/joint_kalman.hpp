@@ -16,14 +16,14 @@
 #include <utility>
 
 #include "gyrostat/core/params.hpp"
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/delay_line.hpp"
-#include "gyrostat/flight/effectiveness_floor.hpp"
-#include "gyrostat/flight/issued_effectiveness.hpp"
-#include "gyrostat/flight/observers/covariance.hpp"
-#include "gyrostat/flight/observers/innovation_gate.hpp"
-#include "gyrostat/flight/observers/noise_meter.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/observers/parts/covariance.hpp"
+#include "gyrostat/flight/observers/parts/innovation_gate.hpp"
+#include "gyrostat/flight/observers/parts/issued_effectiveness.hpp"
+#include "gyrostat/flight/observers/parts/noise_meter.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/delay_line.hpp"
+#include "gyrostat/flight/parts/effectiveness_floor.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -11,9 +11,9 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "gyrostat/flight/euler_model.hpp"
-#include "gyrostat/flight/learning_recursion.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/observers/parts/learning_recursion.hpp"
+#include "gyrostat/flight/parts/euler_model.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -12,11 +12,11 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/delay_line.hpp"
-#include "gyrostat/flight/effectiveness_floor.hpp"
-#include "gyrostat/flight/observers/rate_predictor.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/observers/parts/rate_predictor.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/delay_line.hpp"
+#include "gyrostat/flight/parts/effectiveness_floor.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -11,8 +11,8 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/chart.hpp"
-#include "gyrostat/flight/mixed_learning.hpp"
+#include "gyrostat/flight/parts/chart.hpp"
+#include "gyrostat/flight/parts/mixed_learning.hpp"
 
 namespace gyrostat {
 

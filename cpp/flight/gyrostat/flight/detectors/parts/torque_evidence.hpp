@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gyrostat/flight/effectiveness_regression.hpp"
+#include "gyrostat/flight/parts/effectiveness_regression.hpp"
 
 namespace gyrostat {
 

@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include "gyrostat/core/signals.hpp"
-#include "gyrostat/flight/detectors/momentum_pairs.hpp"
+#include "gyrostat/flight/detectors/parts/momentum_pairs.hpp"
 
 namespace gyrostat {
 

@@ -10,8 +10,8 @@
 /// proves how close to the smallest residual a round came. The effort needs no proof: tau(y) is least for what it delivers.
 /// Page: docs/allocation.md
 #pragma once
-#include "gyrostat/flight/allocators/dual_newton.hpp"
-#include "gyrostat/flight/allocators/primal_polish.hpp"
+#include "gyrostat/flight/allocators/parts/dual_newton.hpp"
+#include "gyrostat/flight/allocators/parts/primal_polish.hpp"
 
 namespace gyrostat {
 

@@ -16,9 +16,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "gyrostat/flight/allocators/branch_free.hpp"
-#include "gyrostat/flight/allocators/ldl.hpp"
-#include "gyrostat/flight/allocators/orthogonal_factor.hpp"
+#include "gyrostat/flight/allocators/parts/branch_free.hpp"
+#include "gyrostat/flight/allocators/parts/ldl.hpp"
+#include "gyrostat/flight/allocators/parts/orthogonal_factor.hpp"
 
 namespace gyrostat {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/signals.hpp"
-#include "gyrostat/flight/shadow_set.hpp"
+#include "gyrostat/flight/controllers/parts/shadow_set.hpp"
 
 namespace gyrostat {
 

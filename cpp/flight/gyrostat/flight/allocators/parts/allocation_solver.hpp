@@ -6,12 +6,12 @@
 #pragma once
 #include <bit>
 
-#include "gyrostat/flight/allocators/allocation_problem.hpp"
-#include "gyrostat/flight/allocators/branch_free.hpp"
-#include "gyrostat/flight/allocators/closest_torque.hpp"
-#include "gyrostat/flight/allocators/primal_polish.hpp"
-#include "gyrostat/flight/allocators/robust_torque.hpp"
-#include "gyrostat/flight/allocators/worst_case.hpp"
+#include "gyrostat/flight/allocators/parts/allocation_problem.hpp"
+#include "gyrostat/flight/allocators/parts/branch_free.hpp"
+#include "gyrostat/flight/allocators/parts/closest_torque.hpp"
+#include "gyrostat/flight/allocators/parts/primal_polish.hpp"
+#include "gyrostat/flight/allocators/parts/robust_torque.hpp"
+#include "gyrostat/flight/allocators/parts/worst_case.hpp"
 
 namespace gyrostat {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "gyrostat/flight/allocators/served_geometry.hpp"
+#include "gyrostat/flight/parts/served_geometry.hpp"
 
 namespace gyrostat {
 

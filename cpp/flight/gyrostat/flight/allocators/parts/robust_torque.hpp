@@ -12,7 +12,7 @@
 /// (the margin of Yang et al. 2023, eq. (23)).
 /// Page: docs/allocation.md
 #pragma once
-#include "gyrostat/flight/allocators/dual_newton.hpp"
+#include "gyrostat/flight/allocators/parts/dual_newton.hpp"
 
 namespace gyrostat {
 

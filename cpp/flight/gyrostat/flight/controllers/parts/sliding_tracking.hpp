@@ -9,8 +9,8 @@
 #pragma once
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/controllers/tracking.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/controllers/parts/tracking.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -7,7 +7,7 @@
 ///
 ///     min |x|^2 + |B x - c|^2 / soft,   x = (tau - preferred)/sqrt(compliance),  B = A_free diag(sqrt(compliance)).
 #pragma once
-#include "gyrostat/flight/allocators/dual_newton.hpp"
+#include "gyrostat/flight/allocators/parts/dual_newton.hpp"
 
 namespace gyrostat {
 

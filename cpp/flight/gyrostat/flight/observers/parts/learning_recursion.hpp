@@ -11,8 +11,8 @@
 #include <array>
 #include <cmath>
 
-#include "gyrostat/flight/delay_line.hpp"
-#include "gyrostat/flight/schur.hpp"
+#include "gyrostat/flight/observers/parts/schur.hpp"
+#include "gyrostat/flight/parts/delay_line.hpp"
 
 namespace gyrostat {
 

@@ -7,9 +7,9 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/allocators/allocation_solver.hpp"
-#include "gyrostat/flight/allocators/served_geometry.hpp"
-#include "gyrostat/flight/effectiveness_floor.hpp"
+#include "gyrostat/flight/allocators/parts/allocation_solver.hpp"
+#include "gyrostat/flight/parts/effectiveness_floor.hpp"
+#include "gyrostat/flight/parts/served_geometry.hpp"
 
 namespace gyrostat {
 

@@ -13,12 +13,12 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/delay_line.hpp"
-#include "gyrostat/flight/effectiveness_floor.hpp"
-#include "gyrostat/flight/effectiveness_regression.hpp"
-#include "gyrostat/flight/issued_effectiveness.hpp"
-#include "gyrostat/flight/schur.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/observers/parts/issued_effectiveness.hpp"
+#include "gyrostat/flight/observers/parts/schur.hpp"
+#include "gyrostat/flight/parts/delay_line.hpp"
+#include "gyrostat/flight/parts/effectiveness_floor.hpp"
+#include "gyrostat/flight/parts/effectiveness_regression.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 
-#include "gyrostat/flight/allocators/unroll.hpp"
+#include "gyrostat/flight/allocators/parts/unroll.hpp"
 
 namespace gyrostat {
 

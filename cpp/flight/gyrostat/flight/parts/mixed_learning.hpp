@@ -11,8 +11,8 @@
 #include <cmath>
 
 #include "gyrostat/core/params.hpp"
-#include "gyrostat/flight/delay_line.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/parts/delay_line.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "gyrostat/flight/authority.hpp"
+#include "gyrostat/flight/parts/authority.hpp"
 
 namespace gyrostat {
 

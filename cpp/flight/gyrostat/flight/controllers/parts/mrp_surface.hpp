@@ -11,8 +11,8 @@
 
 #include "gyrostat/core/params.hpp"
 #include "gyrostat/core/power.hpp"
-#include "gyrostat/flight/controllers/tracking.hpp"
-#include "gyrostat/flight/stiffness.hpp"
+#include "gyrostat/flight/controllers/parts/tracking.hpp"
+#include "gyrostat/flight/parts/stiffness.hpp"
 
 namespace gyrostat {
 

@@ -3,8 +3,8 @@
 ///
 /// h_w' = -delivered, free of disturbances, of the inertia and of other actuators. Page: docs/components/evidence.md
 #pragma once
-#include "gyrostat/flight/detectors/fault_fit.hpp"
-#include "gyrostat/flight/detectors/tachometer_noise.hpp"
+#include "gyrostat/flight/detectors/parts/fault_fit.hpp"
+#include "gyrostat/flight/detectors/parts/tachometer_noise.hpp"
 
 namespace gyrostat {
 
