@@ -594,7 +594,9 @@ TYPED_TEST(JointKalmanOf, OneChannelAloneStillTeaches) {
       x = advance(observer, y, issued<S>(u));
       ASSERT_TRUE(x.effectiveness.allFinite() && x.d_B.allFinite()) << k;
       // Its momentum tells on a wheel in full; the rates see the body change its answer, whoever it was.
-      if (k == 250 && rate_fails) EXPECT_NEAR(static_cast<double>(x.effectiveness[2]), 0.3, 0.02);
+      if (k == 250 && rate_fails) {
+        EXPECT_NEAR(static_cast<double>(x.effectiveness[2]), 0.3, 0.02);
+      }
       if (k == 250 && !rate_fails) {
         const VecN<double> lost = x.effectiveness.template cast<double>() - VecN<double>::Ones(4);
         const Vec3<double> told = setup.vehicle.D_B * lost.cwiseProduct(u) + x.d_B.template cast<double>();
@@ -627,7 +629,9 @@ TYPED_TEST(JointKalmanOf, AJumpOfTheStateTeachesNothing) {
     Measurement<S> y = plant.measured<S>(static_cast<Tick>(k), random, 1e-5, 1e-5);
     y.event = k >= 200 ? 1 : 0;
     const Estimate<S> x = advance(observer, y, issued<S>(u));
-    if (k > 50) EXPECT_NEAR(static_cast<double>(x.effectiveness[1]), 0.5, 0.03) << k;
+    if (k > 50) {
+      EXPECT_NEAR(static_cast<double>(x.effectiveness[1]), 0.5, 0.03) << k;
+    }
   }
   EXPECT_EQ(observer.openings(), before);
 }
@@ -689,7 +693,9 @@ TYPED_TEST(JointKalmanOf, FliesWhateverVehicleThereIs) {
     fly(*observer, plant, 400, 1e-5, 1e-5, commands, nothing,
         [&](int, const Estimate<S>& now, const VecN<double>&) { x = now; });
     ASSERT_TRUE(x.effectiveness.allFinite() && x.d_B.allFinite());
-    if (fleet.wheels.test(0)) EXPECT_NEAR(static_cast<double>(x.effectiveness[0]), 0.4, 0.02) << fleet.n;
+    if (fleet.wheels.test(0)) {
+      EXPECT_NEAR(static_cast<double>(x.effectiveness[0]), 0.4, 0.02) << fleet.n;
+    }
   }
 }
 

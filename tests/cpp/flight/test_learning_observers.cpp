@@ -392,7 +392,7 @@ struct WrittenOut {
   gyrostat::Setup<double> setup;
   LearningEffectivenessObserver<double>::Params p;
   Vec3<double> what = Vec3<double>::Zero(), error = Vec3<double>::Zero(), injection = Vec3<double>::Zero();
-  VecN<double> h_w, e = VecN<double>::Ones(4);
+  VecN<double> h_w = VecN<double>::Zero(4), e = VecN<double>::Ones(4);
   Eigen::Matrix4d P = Eigen::Matrix4d::Identity();
   int doubts = 0;  ///< that left some actuator known
 

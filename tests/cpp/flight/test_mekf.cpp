@@ -53,7 +53,9 @@ TEST(Mekf, EqualsTheReferenceRows) {
     EXPECT_LT((out.q_NB.coeffs() - wanted.coeffs()).norm(), 1e-12) << k;
     EXPECT_LT((out.omega_BN_B - Vec3<double>(v("w_x"), v("w_y"), v("w_z"))).norm(), 1e-13) << k;
     EXPECT_LT((filter.bias() - Vec3<double>(v("b_x"), v("b_y"), v("b_z"))).norm(), 1e-13) << k;
-    if (v("code") >= 2) EXPECT_NEAR(filter.nis(), v("nis"), 1e-9 * (1 + v("nis"))) << k;
+    if (v("code") >= 2) {
+      EXPECT_NEAR(filter.nis(), v("nis"), 1e-9 * (1 + v("nis"))) << k;
+    }
     const auto P = filter.covariance();
     for (int r = 0; r < 6; ++r) {
       for (int c = r; c < 6; ++c) {
@@ -67,8 +69,8 @@ TEST(Mekf, EqualsTheReferenceRows) {
 /// A body that turns smoothly; a gyro with a bias that walks; a tracker every `every` samples, `latency` samples late.
 template <class S>
 struct Flight {
-  explicit Flight(unsigned seed, double dt = 0.05, int every = 10, int latency = 0)
-      : random(seed), dt(dt), every(every), latency(latency), history(static_cast<std::size_t>(latency) + 1) {}
+  explicit Flight(unsigned seed, double period = 0.05, int fix_every = 10, int late_by = 0)
+      : random(seed), dt(period), every(fix_every), latency(late_by), history(static_cast<std::size_t>(late_by) + 1) {}
 
   double normal() { return gauss(random); }
   Vec3<double> normals() { return {normal(), normal(), normal()}; }
@@ -115,13 +117,13 @@ struct Flight {
     return p;
   }
   Mekf<S> filter() const {
-    typename Mekf<S>::Params q(slow_vehicle<S>(static_cast<S>(dt)));
-    q.angle_random_walk = static_cast<S>(s_v);
-    q.rate_random_walk = static_cast<S>(s_u);
-    q.attitude_noise = sigma.cast<S>();
-    q.q_BS = mounting().cast<S>();
-    q.latency = latency;
-    return Mekf<S>(unchecked, slow_vehicle<S>(static_cast<S>(dt)), q);
+    typename Mekf<S>::Params p(slow_vehicle<S>(static_cast<S>(dt)));
+    p.angle_random_walk = static_cast<S>(s_v);
+    p.rate_random_walk = static_cast<S>(s_u);
+    p.attitude_noise = sigma.cast<S>();
+    p.q_BS = mounting().cast<S>();
+    p.latency = latency;
+    return Mekf<S>(unchecked, slow_vehicle<S>(static_cast<S>(dt)), p);
   }
 
   std::mt19937 random;
@@ -333,7 +335,9 @@ TEST(Mekf, SaysByHowMuchItsKnowledgeMovesTheRate) {
     out = filter.step(flight.next());
     sum -= out.rate_step;
     EXPECT_LT((sum - filter.bias()).norm(), 1e-17);
-    if (filter.fix() == Fix::none) EXPECT_TRUE(out.rate_step.isZero(0));
+    if (filter.fix() == Fix::none) {
+      EXPECT_TRUE(out.rate_step.isZero(0));
+    }
   }
   EXPECT_GT(sum.norm(), 1e-3);
 }

@@ -440,8 +440,8 @@ TEST(PreassignedTime, AGyroscopicTorqueBeyondTheActuatorsIsATumbleToo) {
 
 TEST(PreassignedTime, TheAnglesEndATenthOfAMilliradianBeforeThePoleOrAPeriodBeforeIt) {
   const double pole = 1.5707963267948966;
-  for (const auto [distance, rate, singular] : {std::tuple(0.9e-4, 0.0, true), std::tuple(1.1e-4, 0.0, false),
-                                                std::tuple(3.8e-3, 0.4, true), std::tuple(4.2e-3, 0.4, false)}) {
+  for (const auto& [distance, rate, singular] : {std::tuple(0.9e-4, 0.0, true), std::tuple(1.1e-4, 0.0, false),
+                                                 std::tuple(3.8e-3, 0.4, true), std::tuple(4.2e-3, 0.4, false)}) {
     Law law(unchecked, ftc_4rw<double>(), gains(5));
     Estimate<double> x = state(4);
     const Vec3<double> angles(0.3, pole - distance, -0.2);
