@@ -61,9 +61,12 @@ class Varied:
             parts = [np.ascontiguousarray(u[:, i * w : (i + 1) * w]) for i in range(len(self.paths))]
             return np.column_stack([drawn.draw(part)[:, 0] for part in parts])
         if isinstance(drawn, Attitude):
-            q = drawn.draw(u)
-            convert = _of_quaternion.get(self.key.rpartition(".")[2])
-            return q if convert is None else np.asarray(convert(q))
+            q, last = drawn.draw(u), self.key.rpartition(".")[2]
+            if last == "q_NB":
+                return q
+            if drawn.angle is None:  # q and -q are one attitude: of its two MRP the short one
+                q = np.where(q[:, :1] < 0.0, -q, q)
+            return np.asarray(_of_quaternion[last](q))
         if isinstance(drawn, Inertia):
             offset = nominal["vehicle.J_B"] if self.key == "truth.dJ_B" else 0.0
             return np.asarray(drawn.draw_about(u, nominal[self.key]) - offset).reshape(len(u), 9)
