@@ -67,6 +67,7 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     warnings.simplefilter("ignore", RuntimeWarning)  # of numpy: what overflows is seen in what is printed
+    warnings.formatwarning = lambda message, *_, **__: f"note: {message}\n"
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
         _watch_for_interruption()

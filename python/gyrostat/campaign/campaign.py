@@ -331,6 +331,8 @@ class Campaign:
     ) -> CampaignResult:
         """Fly runs 0 to runs - 1, or those of them that the folder does not hold yet.
 
+        Parts that are there are read; one that is not what was written is named by a warning and flown again.
+
         Parameters
         ----------
         runs
