@@ -138,7 +138,11 @@ class Inputs:
         return Scenario.from_dict(tables | {"faults": faults})
 
     def draw(self, u: Array) -> Draws:
-        """Of points of the unit cube, shape (n, dimension)."""
+        """Of points of the unit cube, shape (n, dimension). What overflows is refused as a flight."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self._draw(u)
+
+    def _draw(self, u: Array) -> Draws:
         points = {name: np.ascontiguousarray(u[:, place]) for name, place in self._places.items()}
         for i, table in enumerate(self.correlated):
             self._correlate(points, table, points[f"corr.{i}"])
