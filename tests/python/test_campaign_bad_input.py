@@ -250,6 +250,7 @@ def test_a_manifest_that_is_none_is_refused(tmp_path: Path) -> None:
         ([], none),
         (good | {"runs": "many"}, none),
         (good | {"resolved": None}, none),
+        (good | {"resolved": good["resolved"] | {"seed": 9}}, "is not what was written: its campaign is not the one"),
         (good | {"chunk": 0}, "chunk = 0: a whole number from 1 on belongs here"),
         (good | {"runs": 10**12}, "runs = 1000000000000: a whole number from 1 to 2147483647 belongs here"),
     ]:

@@ -95,8 +95,7 @@ def run(
     known = store.manifest()
     manifest = _manifest(campaign, runs, chunk, known)
     if known is not None and known["identity"] != manifest["identity"]:
-        why = first_difference(known["resolved"], manifest["resolved"]) or "its manifest was changed"
-        raise InputError(f"{out}: holds another campaign; {why}")
+        raise InputError(f"{out}: holds another campaign; {first_difference(known['resolved'], manifest['resolved'])}")
     size = manifest["chunk"]
     first, end = 0, runs
     if only is not None:

@@ -29,6 +29,7 @@ import pyarrow.parquet as pq
 
 from gyrostat.campaign import chunks
 from gyrostat.campaign.chunks import Chunk
+from gyrostat.campaign.identity import identity
 from gyrostat.campaign.limits import whole
 from gyrostat.errors import FileError, InputError, input_errors
 from gyrostat.files import file_errors, replacing, writable_folder
@@ -91,6 +92,8 @@ class Store:
             raise InputError(f"{path}: is no manifest of a campaign")
         if read["format"] != FORMAT:
             raise InputError(f"{path}: is of format {shown(read['format'])}; {FORMAT} is read")
+        if identity(read["resolved"]) != read["identity"]:
+            raise InputError(f"{path}: is not what was written: its campaign is not the one of its identity")
         for key in ("chunk", "runs"):
             with input_errors(str(path)):
                 whole(key, read[key], least=1)
