@@ -94,7 +94,8 @@ def _status_of(error: BaseException) -> int:
     usage = getattr(error, "format_message", None)  # command line errors of typer, which has moved their class about
     if usage is None:
         raise error
-    return printing.complain(f"{one_line(usage())} See 'gyrostat --help'.", 2)
+    said = one_line(usage())
+    return printing.complain(f"{said} See 'gyrostat --help'.", 2) if said else 2  # help is printed already
 
 
 def _interrupt(*_: object) -> NoReturn:

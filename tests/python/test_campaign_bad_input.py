@@ -168,6 +168,11 @@ def test_a_mistake_is_one_line(name: str) -> None:
     assert str(refusal.value).isprintable()
 
 
+def test_a_scenario_is_no_campaign() -> None:
+    with pytest.raises(gs.InputError, match="this is a scenario; a campaign names one"):
+        gs.Campaign.from_dict(gs.Scenario.load("wheel2_degraded").to_dict())
+
+
 def test_a_margin_must_be_finite_for_every_flight(tmp_path: Path) -> None:
     """A metric that may have no value is refused at once; a measure that has none in a flight when it is flown."""
     tables = changed(("success",), {"settling": {"below": 1.0}}) | {"margin": {"measure": "settling"}}

@@ -154,6 +154,8 @@ class Campaign:
     def from_dict(cls, tables: Mapping[str, Any]) -> Campaign:
         """From the tables of a TOML file, or of `to_dict`."""
         keys = {"base", "set", *Spec.model_fields}
+        if "base" not in tables and "vehicle" in tables:
+            raise InputError('this is a scenario; a campaign names one: base = "..."')
         for key in tables:
             if key not in keys:
                 raise InputError(f"unknown key '{key}'{suggestion(str(key), keys)}")
