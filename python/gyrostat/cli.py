@@ -70,6 +70,7 @@ def main() -> None:
     warnings.simplefilter("once", FutureWarning)  # old names
     warnings.showwarning = printing.warning
     warnings.simplefilter("ignore", RuntimeWarning)  # of numpy: what overflows is seen in what is printed
+    warnings.formatwarning = lambda message, *_, **__: f"note: {message}\n"
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
         _watch_for_interruption()
@@ -96,7 +97,8 @@ def _status_of(error: BaseException) -> int:
     usage = getattr(error, "format_message", None)  # command line errors of typer, which has moved their class about
     if usage is None:
         raise error
-    return printing.complain(f"{one_line(usage())} See 'gyrostat --help'.", 2)
+    said = one_line(usage())
+    return printing.complain(f"{said} See 'gyrostat --help'.", 2) if said else 2  # help is printed already
 
 
 def _interrupt(*_: object) -> NoReturn:

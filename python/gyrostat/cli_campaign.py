@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import errno
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,9 +21,10 @@ class FirstCommand(TyperGroup):
     default = "fly"
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """As they were meant."""
+        """As they were meant: what is hardly another than a command, and flies no runs, is one mistyped."""
         if args and not args[0].startswith("-") and args[0] not in self.commands:
-            args = [self.default, *args]
+            mistyped = get_close_matches(args[0], self.commands, cutoff=0.7) and "--runs" not in args
+            args = args if mistyped else [self.default, *args]
         return super().parse_args(ctx, args)
 
 

@@ -57,10 +57,10 @@ def _write_files(folder: Path, found: Reproduction, *, with_data: bool) -> dict[
     write_text(folder / "claims.json", json.dumps(found.to_dict(), indent=2) + "\n")
     for case in paper.cases.values():
         case.scenario.to_toml(folder / f"{case.id}.toml")
-    for campaign in paper.campaigns.values():
-        campaign.scenario.to_toml(folder / f"{campaign.id}.toml")
+    for many in paper.campaigns.values():
+        many.campaign.to_toml(folder / f"{many.id}.toml")
     for ensemble in found.ensembles.values():
-        write_text(folder / f"{ensemble.campaign.id}.csv", ensemble.to_csv())
+        write_text(folder / f"{ensemble.id}.csv", ensemble.to_csv())
     panels = {}
     for figure in paper.figures:
         drawn = figure.draw(found.ensembles) if isinstance(figure, EnsembleFigure) else figure.draw(found.results)

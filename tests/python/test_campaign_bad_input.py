@@ -124,6 +124,7 @@ MISTAKES: dict[str, tuple[tuple[str, ...], Any, str]] = {
     "empty grid": (("grid", 0, "of"), [], "grid 'allocator': has no levels"),
     "unknown component": (("grid", 0, "of"), ["pseudo_inverse", "lexicografic"], "did you mean 'lexicographic'?"),
     "unknown metric": (("measure", "final", "metric"), "fnal", "measure 'final'"),
+    "no table of a metric": (("measure", "final"), 3, "measure.final = 3"),
     "unknown signal": (("measure", "final", "signal"), "error.angel", "error.angel"),
     "a column twice": (("measure", "run"), {"metric": "final", "signal": "error.angle"}, "'run' would be two columns"),
     "unknown criterion": (("success", "finl"), {"below": 1.0}, "success: no measure 'finl', did you mean 'final'?"),
@@ -131,6 +132,7 @@ MISTAKES: dict[str, tuple[tuple[str, ...], Any, str]] = {
     "log of a negative": (("success", "final", "below"), -1.0, "scale = 'log' wants positive limits"),
     "unknown margin": (("margin", "measure"), "finl", "margin: no measure 'finl', did you mean 'final'?"),
     "unknown kept": (("keep", "trajectories"), {"worst": {"measure": "finl"}}, "keep: no measure 'finl'"),
+    "no number of a run": (("keep", "every"), 2**70, "keep: every = "),
     "unknown rows": (("keep", "rows"), "some", "keep: rows = 'some'"),
     "sampling": (("sampling",), "lhss", "sampling = 'lhss'"),
     "replicates of plain": (("replicates",), 4, "replicates and points belong to sampling"),
@@ -164,6 +166,11 @@ def test_a_mistake_is_one_line(name: str) -> None:
         gs.Campaign.from_dict(changed(where, value))
     assert expected in str(refusal.value)
     assert str(refusal.value).isprintable()
+
+
+def test_a_scenario_is_no_campaign() -> None:
+    with pytest.raises(gs.InputError, match="this is a scenario; a campaign names one"):
+        gs.Campaign.from_dict(gs.Scenario.load("wheel2_degraded").to_dict())
 
 
 def test_a_margin_must_be_finite_for_every_flight(tmp_path: Path) -> None:
@@ -248,6 +255,7 @@ def test_a_manifest_that_is_none_is_refused(tmp_path: Path) -> None:
         ([], none),
         (good | {"runs": "many"}, none),
         (good | {"resolved": None}, none),
+        (good | {"resolved": good["resolved"] | {"seed": 9}}, "is not what was written: its campaign is not the one"),
         (good | {"chunk": 0}, "chunk = 0: a whole number from 1 on belongs here"),
         (good | {"runs": 10**12}, "runs = 1000000000000: a whole number from 1 to 2147483647 belongs here"),
     ]:

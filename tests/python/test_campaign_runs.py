@@ -507,7 +507,7 @@ def test_the_command_flies_shows_and_flies_again(tmp_path: Path) -> None:
     assert gyrostat("join", out, out).stdout == "2 folders hold one campaign, without gaps\n"
 
 
-def test_torn_and_changed_parts_are_refused(tmp_path: Path) -> None:
+def test_torn_and_changed_parts_are_refused_where_they_are_read(tmp_path: Path) -> None:
     found = campaign().run(60, out=tmp_path / "out", chunk=60)
     path = found.parts()[0].path
     rng = random.Random(5)
@@ -518,13 +518,48 @@ def test_torn_and_changed_parts_are_refused(tmp_path: Path) -> None:
             changed = bytearray(whole)
             changed[rng.randrange(len(whole))] ^= 1 << rng.randrange(8)
             damaged.write_bytes(changed)
-            with pytest.raises(gs.InputError, match=rf"{damaged.name}.* to fly it again"):
+            with pytest.raises(gs.InputError, match=rf"{damaged.name}: is not what was written"):
                 found.table()
         damaged.write_bytes(whole[: len(whole) // 2])
-        with pytest.raises(gs.InputError, match=rf"{damaged.name}.* to fly it again"):
+        with pytest.raises(gs.InputError, match=rf"{damaged.name}: is not what was written"):
             found.table()
         damaged.write_bytes(whole)
     assert found.table().to_pandas().equals(reference)
+
+
+@pytest.mark.parametrize("what", ["parts/part-30-60.parquet", "counts/part-30-60.json"])
+@pytest.mark.parametrize("runs", [70, 80])
+def test_a_damaged_part_is_named_and_flown_again(tmp_path: Path, what: str, runs: int) -> None:
+    """Torn or changed; also by a call that wants more runs."""
+    out = tmp_path / "out"
+    campaign().run(70, out=out, chunk=30)
+    whole = files(out)
+    for damaged in (whole[what][:100], whole[what][:-1] + b"!"):
+        (out / what).write_bytes(damaged)
+        with pytest.warns(UserWarning, match=r"part-30-60\.parquet: is not what was written, and is flown again"):
+            again = campaign().run(runs, out=out)
+        assert files(out).items() >= whole.items()
+    assert again.complete
+    assert again.table_hash == campaign().run(runs, out=tmp_path / "one").table_hash
+
+
+def test_behind_a_damaged_part_a_shorter_one_is_taken(tmp_path: Path) -> None:
+    campaign().run(40, out=tmp_path / "short", chunk=20)
+    found = campaign().run(40, out=tmp_path / "out", chunk=40)
+    for folder, name in (("parts", "part-0-20.parquet"), ("counts", "part-0-20.json")):
+        (tmp_path / "out" / folder / name).write_bytes((tmp_path / "short" / folder / name).read_bytes())
+    (tmp_path / "out" / "parts" / "part-0-40.parquet").write_bytes(b"torn")
+    with pytest.warns(UserWarning, match="part-0-40"):
+        assert campaign().run(40, out=tmp_path / "out").table_hash == gs.CampaignResult(tmp_path / "short").table_hash
+    assert [(p.first, p.end) for p in found.parts()] == [(0, 20), (20, 40)]
+
+
+def test_the_command_names_a_damaged_part(tmp_path: Path) -> None:
+    part = campaign().run(20, out=tmp_path / "out").parts()[0].path
+    part.write_bytes(part.read_bytes()[:200])
+    again = gyrostat(toml_of(tmp_path), "--runs", "20", "--out", tmp_path / "out")
+    assert again.stderr == f"note: {part}: is not what was written, and is flown again\n"
+    assert again.returncode == 0
 
 
 def test_memory_does_not_grow_with_the_number_of_runs(tmp_path: Path) -> None:

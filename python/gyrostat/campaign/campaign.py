@@ -117,7 +117,7 @@ class Campaign:
             "correlated": [_table(c) for c in correlated],
             "fault": [_table(f) for f in faults],
             "grid": [_table(g) for g in grids],
-            "measure": None if measure is None else {k: dict(m) for k, m in measure.items()},
+            "measure": None if measure is None else {k: _table(m) for k, m in measure.items()},
             "success": None if success is None else {k: _table(c) for k, c in success.items()},
             "margin": None if margin is None else _table(margin),
             "keep": None if keep is None else _table(keep),
@@ -154,6 +154,8 @@ class Campaign:
     def from_dict(cls, tables: Mapping[str, Any]) -> Campaign:
         """From the tables of a TOML file, or of `to_dict`."""
         keys = {"base", "set", *Spec.model_fields}
+        if "base" not in tables and "vehicle" in tables:
+            raise InputError('this is a scenario; a campaign names one: base = "..."')
         for key in tables:
             if key not in keys:
                 raise InputError(f"unknown key '{key}'{suggestion(str(key), keys)}")
@@ -331,6 +333,8 @@ class Campaign:
     ) -> CampaignResult:
         """Fly runs 0 to runs - 1, or those of them that the folder does not hold yet.
 
+        Parts that are there are read; one that is not what was written is named by a warning and flown again.
+
         Parameters
         ----------
         runs
@@ -447,7 +451,9 @@ def _scenario(base: Any, changes: Mapping[str, Any]) -> Scenario:
 
 def _table(value: Any) -> Any:
     """What a model reads: of a model, its table."""
-    return value.model_dump(exclude_none=True) if isinstance(value, Model) else value
+    if isinstance(value, Model):
+        return value.model_dump(exclude_none=True)
+    return dict(value) if isinstance(value, Mapping) else value
 
 
 def _plain(value: Any) -> Any:

@@ -61,9 +61,12 @@ class Varied:
             parts = [np.ascontiguousarray(u[:, i * w : (i + 1) * w]) for i in range(len(self.paths))]
             return np.column_stack([drawn.draw(part)[:, 0] for part in parts])
         if isinstance(drawn, Attitude):
-            q = drawn.draw(u)
-            convert = _of_quaternion.get(self.key.rpartition(".")[2])
-            return q if convert is None else np.asarray(convert(q))
+            q, last = drawn.draw(u), self.key.rpartition(".")[2]
+            if last == "q_NB":
+                return q
+            if drawn.angle is None:  # q and -q are one attitude: of its two MRP the short one
+                q = np.where(q[:, :1] < 0.0, -q, q)
+            return np.asarray(_of_quaternion[last](q))
         if isinstance(drawn, Inertia):
             offset = nominal["vehicle.J_B"] if self.key == "truth.dJ_B" else 0.0
             return np.asarray(drawn.draw_about(u, nominal[self.key]) - offset).reshape(len(u), 9)
@@ -135,7 +138,11 @@ class Inputs:
         return Scenario.from_dict(tables | {"faults": faults})
 
     def draw(self, u: Array) -> Draws:
-        """Of points of the unit cube, shape (n, dimension)."""
+        """Of points of the unit cube, shape (n, dimension). What overflows is refused as a flight."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self._draw(u)
+
+    def _draw(self, u: Array) -> Draws:
         points = {name: np.ascontiguousarray(u[:, place]) for name, place in self._places.items()}
         for i, table in enumerate(self.correlated):
             self._correlate(points, table, points[f"corr.{i}"])

@@ -95,7 +95,8 @@ class Judge:
         if criterion.above is not None:
             parts.append(-_distance(x, criterion.above, criterion.scale))
         margin = parts[0] if len(parts) == 1 else np.maximum(*parts)
-        out = np.where(completed, margin, LOST + (1.0 - t_end / self.duration))
+        flown = t_end / self.duration if self.duration > 0.0 else np.ones_like(t_end)
+        out = np.where(completed, margin, LOST + (1.0 - flown))
         if not np.all(np.isfinite(out)):
             at = int(np.flatnonzero(~np.isfinite(out))[0])
             raise InputError(

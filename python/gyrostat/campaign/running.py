@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from gyrostat.campaign.chunks import Chunk
 from gyrostat.campaign.identity import identity, resolved
 from gyrostat.campaign.limits import whole
 from gyrostat.campaign.results import CampaignResult
-from gyrostat.campaign.store import FORMAT, Store, first_difference
+from gyrostat.campaign.store import FORMAT, Part, Store, first_difference
 from gyrostat.errors import InputError
 from gyrostat.files import made_folder
 
@@ -94,16 +95,18 @@ def run(
     known = store.manifest()
     manifest = _manifest(campaign, runs, chunk, known)
     if known is not None and known["identity"] != manifest["identity"]:
-        why = first_difference(known["resolved"], manifest["resolved"]) or "its manifest was changed"
-        raise InputError(f"{out}: holds another campaign; {why}")
+        raise InputError(f"{out}: holds another campaign; {first_difference(known['resolved'], manifest['resolved'])}")
     size = manifest["chunk"]
     first, end = 0, runs
     if only is not None:
         first, end = _only(only, size, runs)
-    missing = store.missing(first, end, size)
+    damaged = store.damaged(first, end)
+    for part in damaged:
+        warnings.warn(f"{part.path}: is not what was written, and is flown again", stacklevel=3)
+    missing = store.missing(first, end, size, damaged)
     if missing:
         with made_folder(out):
-            _fly(campaign, store, manifest, missing, _Started(first, end, jobs, scheduler, progress))
+            _fly(campaign, store, manifest, missing, _Started(first, end, jobs, scheduler, progress, damaged))
     result = CampaignResult(out)
     if only is None:
         result.keep_trajectories()
@@ -117,13 +120,15 @@ class _Started:
     jobs: int | None
     scheduler: str | None
     progress: Callable[[State], None] | None
+    damaged: list[Part]
 
 
 def _fly(
     campaign: Campaign, store: Store, manifest: dict[str, Any], missing: list[tuple[int, int]], how: _Started
 ) -> None:
     there = how.end - how.first - sum(b - a for a, b in missing)
-    teller = _Teller(how.progress, there, how.end - how.first, store.failures(how.first, how.end) if there else 0)
+    failures = store.failures(how.first, how.end, how.damaged) if there else 0
+    teller = _Teller(how.progress, there, how.end - how.first, failures)
     begun = False
     for chunk in _chunks(campaign, missing, how, teller):
         if chunk.first == 0:
@@ -131,6 +136,9 @@ def _fly(
         if not begun:
             store.begin(manifest)
             store.log(event="started", runs=manifest["runs"], jobs=how.jobs, missing=len(missing))
+            for part in how.damaged:
+                store.remove(part)
+                store.log(event="removed", part=part.path.name)
             begun = True
         store.write(chunk)
         teller.add(chunk)

@@ -237,14 +237,14 @@ class Trajectories(_OneLine):
 
     failures: Annotated[int, Field(ge=0, le=10_000)] = 0
     worst: Worst | None = None
-    every: Annotated[int, Field(ge=1)] | None = None
+    every: Annotated[int, Field(ge=1, lt=2**63)] | None = None
 
 
 class Keep(_OneLine):
     """Which rows are kept: all, or failures and each `every`-th run. Counts and sketches are always of all."""
 
     rows: Literal["all", "failures"] = "all"
-    every: Annotated[int, Field(ge=1)] | None = None
+    every: Annotated[int, Field(ge=1, lt=2**63)] | None = None
     trajectories: Trajectories | None = None
 
 

@@ -5,17 +5,18 @@
 ``trajectories/``, and ``log.jsonl`` (times and hosts, which are in no table). Each file is written under another name,
 synchronised and renamed; its counts before a part, so that a part is there exactly when all of it is. Writing a part
 twice gives the same bytes: two processes that do so do no harm. A part that is not what was written, by its SHA-256
-beside its counts, is refused. Nothing here is ever unpickled.
+beside its counts, is refused where it is read, and flown again where the folder is. Nothing here is ever unpickled.
 """
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
 import socket
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -28,6 +29,7 @@ import pyarrow.parquet as pq
 
 from gyrostat.campaign import chunks
 from gyrostat.campaign.chunks import Chunk
+from gyrostat.campaign.identity import identity
 from gyrostat.campaign.limits import whole
 from gyrostat.errors import FileError, InputError, input_errors
 from gyrostat.files import file_errors, replacing, writable_folder
@@ -35,7 +37,12 @@ from gyrostat.text import shown
 
 FORMAT = 1
 _keys = {"format": int, "identity": str, "resolved": dict, "campaign": dict | None, "chunk": int, "runs": int}
+_again = "the command that flew the folder flies it again"
 _name = re.compile(r"part-(\d{1,18})-(\d{1,18})\.parquet")
+
+
+class DamagedError(InputError):
+    """A part, or its counts, is not what was written."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +92,8 @@ class Store:
             raise InputError(f"{path}: is no manifest of a campaign")
         if read["format"] != FORMAT:
             raise InputError(f"{path}: is of format {shown(read['format'])}; {FORMAT} is read")
+        if identity(read["resolved"]) != read["identity"]:
+            raise InputError(f"{path}: is not what was written: its campaign is not the one of its identity")
         for key in ("chunk", "runs"):
             with input_errors(str(path)):
                 whole(key, read[key], least=1)
@@ -121,8 +130,8 @@ class Store:
         with file_errors(self.folder / "log.jsonl", "cannot be written"), (self.folder / "log.jsonl").open("a") as file:
             file.write(line + "\n")
 
-    def parts(self) -> list[Part]:
-        """A cover of the runs that are there, in their order, none twice."""
+    def parts(self, without: Collection[Part] = ()) -> list[Part]:
+        """A cover of the runs that are there, in their order, none twice; some parts may be left out."""
         found: dict[int, Part] = {}
         try:
             names = sorted(path.name for path in (self.folder / "parts").iterdir())
@@ -133,7 +142,7 @@ class Store:
                 continue
             part = Part(self.folder / "parts" / name, int(match[1]), int(match[2]))
             longest = found.get(part.first)
-            if part.end > part.first and (longest is None or longest.end < part.end):
+            if part.end > part.first and (longest is None or longest.end < part.end) and part not in without:
                 found[part.first] = part
         cover: list[Part] = []
         for first in sorted(found):
@@ -141,10 +150,34 @@ class Store:
                 cover.append(found[first])
         return cover
 
-    def missing(self, first: int, end: int, chunk: int) -> list[tuple[int, int]]:
+    def damaged(self, first: int, end: int) -> list[Part]:
+        """Parts with runs of [first, end) that are not what was written.
+
+        Raises
+        ------
+        FileError
+            One that cannot be read: whether it is damaged nobody knows.
+        """
+        found: list[Part] = []
+        seen: set[Part] = set()
+        while new := [p for p in self.parts(found) if p not in seen and p.first < end and first < p.end]:
+            seen.update(new)  # a shorter part may stand behind a damaged one
+            for part in new:
+                try:
+                    self._data(part)
+                except DamagedError:
+                    found.append(part)
+        return found
+
+    def remove(self, part: Part) -> None:
+        """Take a damaged part away."""
+        with file_errors(part.path, "cannot be removed"):
+            part.path.unlink(missing_ok=True)
+
+    def missing(self, first: int, end: int, chunk: int, without: Collection[Part] = ()) -> list[tuple[int, int]]:
         """Runs of [first, end) that are not there, cut at multiples of the chunk size."""
         gaps, at = [], first
-        for part in [*self.parts(), Part(self.folder, end, end)]:
+        for part in [*self.parts(without), Part(self.folder, end, end)]:
             if part.end <= at:
                 continue
             gaps += list(_cut(at, min(part.first, end), chunk))
@@ -167,9 +200,9 @@ class Store:
         parts = self.parts()
         return parts, chunks.merged([self._counts(part) for part in parts])
 
-    def failures(self, first: int, end: int) -> int:
+    def failures(self, first: int, end: int, without: Collection[Part] = ()) -> int:
         """Failed flights among runs of [first, end) that are there."""
-        inside = [p for p in self.parts() if first <= p.first and p.end <= end]
+        inside = [p for p in self.parts(without) if first <= p.first and p.end <= end]
         return sum(c["failures"] for part in inside for c in self._counts(part).values())
 
     def table_hash(self) -> str:
@@ -192,29 +225,36 @@ class Store:
 
     def read(self, part: Part, columns: Sequence[str] | None = None) -> Any:
         """The rows of a part."""
-        with file_errors(part.path, "cannot be read"):
-            data = part.path.read_bytes()
-        if sha256(data).hexdigest() != self._told(part)["part"]:
-            raise InputError(f"{part.path}: cannot be read: is not what was written; remove it to fly it again")
-        with pq.ParquetFile(pa.BufferReader(data), page_checksum_verification=True) as file:
+        with pq.ParquetFile(pa.BufferReader(self._data(part)), page_checksum_verification=True) as file:
             if columns is not None and (unknown := set(columns) - set(file.schema_arrow.names)):
                 raise InputError(f"{part.path}: has no column '{min(unknown)}'")
             return file.read(columns=None if columns is None else list(columns))
+
+    def _data(self, part: Part) -> bytes:
+        """The file of a part, as it was written."""
+        with file_errors(part.path, "cannot be read"):
+            data = part.path.read_bytes()
+        if sha256(data).hexdigest() != self._told(part)["part"]:
+            raise DamagedError(f"{part.path}: is not what was written; {_again}")
+        return data
 
     def _counts(self, part: Part) -> dict[str, Any]:
         return dict(self._told(part)["cells"])
 
     def _told(self, part: Part) -> dict[str, Any]:
         path = self.folder / "counts" / f"{part.path.stem}.json"
-        with file_errors(path, "cannot be read"):
-            text = path.read_bytes()
         try:
+            with file_errors(path, "cannot be read"):
+                text = path.read_bytes()
             told = dict(json.loads(text))
             if told.pop("digest") == _digest(told):
                 return told
+        except FileError as error:
+            if error.errno != errno.ENOENT:
+                raise
         except (ValueError, KeyError, TypeError):
             pass
-        raise InputError(f"{path}: is not what was written; remove {part.path.name} to fly it again")
+        raise DamagedError(f"{path}: is not what was written; {_again}")
 
     @staticmethod
     def _write(path: Path, data: Any) -> None:

@@ -196,8 +196,11 @@ def _flown(study: Study, experiment: ExperimentRows) -> Iterator[str]:
     else:
         many = paper.campaigns[case]
         every = f'<a href="{escape(paper.id)}/{escape(case)}.csv">each run</a>'
-        yield f"{many.runs} runs, seed {many.seed}, period {many.scenario.dt:g} s, {many.scenario.duration:g} s"
+        base = many.campaign.base
+        yield f"{many.runs} runs, seed {base.seed}, period {base.dt:g} s, {base.duration:g} s"
         yield every
+        file = escape(_toml(paper, case))
+        yield f"<code>gyrostat campaign {file} --runs {many.runs} --out flown</code>"
 
 
 def _row(paper: Paper, row: Row) -> str:

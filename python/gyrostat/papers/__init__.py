@@ -58,11 +58,10 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
     ``[story]`` says what was ``promised``, what is ``seen`` here and ``why``; each of ``[[findings]]`` has a
     ``title``, a ``text`` and the ``claim`` to read on, the most surprising one first. ``{id}`` in them is the measured
     number of a claim: none is written by hand.
-    ``[campaigns.<id>]`` tables fly one case many times with sampled changes: `gyrostat.papers.campaigns`.
+    ``[campaigns.<id>]`` tables fly one case many times with drawn changes: `gyrostat.papers.campaigns`.
 ``signals.py`` (may be absent)
     ``SIGNALS: dict[str, Callable[[Result], ndarray]]``, quantities computed from channels, one row a sample; and
-    ``METRICS: dict[str, Callable[..., float]]``, called with the result and the keyword arguments of ``measure``;
-    ``SAMPLERS: dict[str, Callable[..., dict]]`` of its campaigns.
+    ``METRICS: dict[str, Callable[..., float]]``, called with the result and the keyword arguments of ``measure``.
 ``figures.py`` (may be absent)
     ``FIGURES: list[PaperFigure]``: name, caption, the cases it needs, and a function of the results (by case) that
     draws a `gyrostat.plots.Figure`. Its data are saved beside the picture. An `EnsembleFigure` draws campaigns.
@@ -70,14 +69,14 @@ A study is a folder ``papers/<id>/`` (with an empty ``__init__.py``) that holds
 
 from __future__ import annotations
 
-from gyrostat.papers.campaigns import Campaign, Ensemble
+from gyrostat.papers.campaigns import CampaignCase, Ensemble
 from gyrostat.papers.claims import Claim, Evaluation
 from gyrostat.papers.folding import ExperimentRows, Row, Tally, folded
 from gyrostat.papers.reproduction import Reproduction, reproduce
 from gyrostat.papers.study import Case, EnsembleFigure, Paper, PaperFigure, available, load
 
 __all__ = [
-    "Campaign",
+    "CampaignCase",
     "Case",
     "Claim",
     "Ensemble",

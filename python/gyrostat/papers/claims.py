@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field
 
 from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.model import Model
-from gyrostat.papers.campaigns import ENSEMBLE_METRICS, Campaign, Ensemble
+from gyrostat.papers.campaigns import ENSEMBLE_METRICS, CampaignCase, Ensemble
 from gyrostat.papers.measures import METRICS, Array, Measure, Metric
 from gyrostat.results import Result
 
@@ -140,7 +140,7 @@ class Subjects:
     """What claims can be about, and what they can be measured with."""
 
     cases: Collection[str]
-    campaigns: Mapping[str, Campaign]
+    campaigns: Mapping[str, CampaignCase]
     metrics: Mapping[str, Metric]
     """Of the study, beside `METRICS`."""
     signals: Mapping[str, Callable[[Result], Array]]
@@ -190,7 +190,7 @@ class Subjects:
             raise InputError("cases and campaigns are measured by different claims")
         measure = Measure.of(table, ENSEMBLE_METRICS, {}, ())
         for name in names:
-            if measure.signal not in self.campaigns[name].measures:
+            if measure.signal not in self.campaigns[name].campaign.measures:
                 raise InputError(f"campaign '{name}' does not measure '{measure.signal}'")
         return measure
 

@@ -118,8 +118,8 @@ class _Meter:
 
     def __init__(self, paper: Paper, report: Callable[[float], None] | None) -> None:
         self._weight = {key: c.scenario.duration / c.scenario.dt for key, c in paper.cases.items()}
-        for key, campaign in paper.campaigns.items():
-            self._weight[key] = campaign.runs * campaign.scenario.duration / campaign.scenario.dt
+        for key, many in paper.campaigns.items():
+            self._weight[key] = many.runs * many.campaign.base.duration / many.campaign.base.dt
         self._done = dict.fromkeys(self._weight, 0.0)
         self._report = report
         self._lock = threading.Lock()

@@ -16,7 +16,7 @@ from pydantic import Field
 from gyrostat import toml
 from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.model import Model
-from gyrostat.papers.campaigns import Campaign, CampaignEntry, Ensemble, build
+from gyrostat.papers.campaigns import CampaignCase, CampaignEntry, Ensemble, build
 from gyrostat.papers.claims import Claim, MeasurementEntry, Subjects
 from gyrostat.papers.story import Story, Surprise
 from gyrostat.papers.story import check as check_story
@@ -115,7 +115,7 @@ class Paper:
     cases: Mapping[str, Case]
     claims: tuple[Claim, ...]
     figures: tuple[PaperFigure | EnsembleFigure, ...]
-    campaigns: Mapping[str, Campaign] = field(default_factory=dict)
+    campaigns: Mapping[str, CampaignCase] = field(default_factory=dict)
     story: Story | None = None
     findings: tuple[Surprise, ...] = ()
 
@@ -173,7 +173,7 @@ def load(name: str) -> Paper:
                     keeps[case.id] = keep
                     cases[case.id] = replace(case, scenario=record.kept_by(case.scenario, keep))
         record.check()
-        campaigns = {key: _campaign(key, entry, scenarios, modules) for key, entry in entries.campaigns.items()}
+        campaigns = _campaigns(entries.campaigns, scenarios)
         metrics, signals = (modules.attribute("signals", attribute, {}) for attribute in ("METRICS", "SIGNALS"))
         claims = Subjects(cases, campaigns, metrics, signals).claims(entries.claims)
         check_story(entries.story, entries.findings, [c.id for c in claims])
@@ -234,14 +234,21 @@ def _group(channel: str) -> str:
     return channel.partition(".")[0]
 
 
-def _campaign(key: str, entry: CampaignEntry, scenarios: Mapping[str, Scenario], modules: _Extensions) -> Campaign:
-    with input_errors(f"campaign '{key}'"):
-        if key in scenarios:
-            raise InputError("a case has that name already")
-        if entry.like not in scenarios:
-            raise InputError(f"no case '{entry.like}'{suggestion(entry.like, scenarios)}")
-        samplers = modules.attribute("signals", "SAMPLERS", {})
-        return build(key, entry, scenarios[entry.like], samplers)
+def _campaigns(entries: Mapping[str, CampaignEntry], scenarios: Mapping[str, Scenario]) -> dict[str, CampaignCase]:
+    """In their order; each may be like a case or like one before it."""
+    whole: dict[str, tuple[CampaignEntry, Scenario]] = {}
+    campaigns = {}
+    for key, entry in entries.items():
+        with input_errors(f"campaign '{key}'"):
+            if key in scenarios:
+                raise InputError("a case has that name already")
+            if entry.like not in scenarios and entry.like not in whole:
+                known = [*scenarios, *whole]
+                raise InputError(f"no case or earlier campaign '{entry.like}'{suggestion(entry.like, known)}")
+            earlier, base = whole.get(entry.like) or (None, scenarios[entry.like])
+            whole[key] = entry.after(earlier), base
+            campaigns[key] = build(key, *whole[key])
+    return campaigns
 
 
 class _Extensions:

@@ -205,7 +205,7 @@ def _monte_carlo(ensembles: Mapping[str, Ensemble]) -> Figure:
     )
     figure.axes[0].set_ylabel("share of the runs", fontsize=9)
     for key, name in names.items():
-        times = np.sort(np.nan_to_num(ensembles[key]["settling"], nan=np.inf))
+        times = np.sort(np.nan_to_num(ensembles[key].completed(ensembles[key]["settling"]), nan=np.inf))
         settled = times[np.isfinite(times)]
         share = np.arange(1, len(settled) + 1) / len(times)
         t = np.concatenate([[0.0], np.repeat(settled, 2), [40.0]])

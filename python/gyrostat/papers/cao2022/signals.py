@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Quantities of the cao2022 claims that are computed from channels, and how its campaigns sample."""
+"""Quantities of the cao2022 claims that are computed from channels."""
 
 from __future__ import annotations
-
-import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,23 +57,6 @@ def rate(result: Result) -> Array:
     return np.asarray(np.linalg.norm(result["truth.omega_BN_B"], axis=1, keepdims=True), dtype=np.float64)
 
 
-def random_attitude(rng: np.random.Generator, *, norm: list[float], rate: float = 0.0) -> dict[str, Any]:
-    """Sample an initial state: each rate normal with a deviation, rad/s, and an attitude of an MRP norm in a range.
-
-    From 0 to 1 the attitude is of Haar measure; else the norm is uniform, along a random axis. The order of the draws (
-    a quaternion has its scalar last) is that of the independent implementation, so that its samples are these.
-    """
-    low, high = norm
-    if (low, high) == (0.0, 1.0):
-        q = rng.standard_normal(4)
-        sigma = q[:3] / (q[3] + math.copysign(float(np.linalg.norm(q)), q[3]))
-    else:
-        axis = rng.standard_normal(3)
-        sigma = rng.uniform(low, high) * axis / np.linalg.norm(axis)
-    omega = rate * rng.standard_normal(3)
-    return {"initial.mrp": sigma, "initial.omega_BN_B": omega}
-
-
 def disturbance(result: Result) -> Array:
     """The printed disturbance, N m, from time and true rate."""
     t = result.t
@@ -88,4 +68,3 @@ SIGNALS = {
     f.__name__: f
     for f in (effectiveness_error, shadow_error, inertia_error, breach, unknown, attitude, rate, effectiveness_now)
 }
-SAMPLERS = {"random_attitude": random_attitude}
