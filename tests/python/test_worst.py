@@ -89,7 +89,7 @@ def test_what_is_left_of_a_flight_is_lost_and_needs_each_of_its_inputs(values: l
 
 
 def test_an_explanation_names_what_is_needed() -> None:
-    said = explanation(["wheel.remaining", "rate", "t_on"], [0.31, 0.04, 12.0], [0.6, 0.0, 12.0])
+    said = explanation(["wheel.remaining", "rate", "t_on", "q"], [0.31, 0.04, 12.0, 6e-17], [0.6, 0.0, 12.0, 3e-17])
     assert said == ["wheel.remaining below 0.31 (nominal 0.6)", "rate above 0.04 (nominal 0)"]
 
 

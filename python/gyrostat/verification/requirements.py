@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from gyrostat.campaign import Campaign, CampaignResult, State
 
 Counts = NDArray[np.int64]
-Confidence = Annotated[float, Field(gt=0.0, lt=1.0)]
+Confidence = Annotated[float, Field(ge=0.5, lt=1.0)]
 
 LISTED = 5
 """Failing flights that are named."""
@@ -91,7 +91,7 @@ class Percentile(Model):
 
     of: str
     level: Annotated[float, Field(gt=0.0, lt=1.0)]
-    at_most: float
+    at_most: Annotated[float, Field(allow_inf_nan=False)]
     confidence: Confidence = 0.95
 
 
@@ -193,8 +193,10 @@ class Judgement:
         Runs still needed; None when decided.
     quantile
         Of a percentile requirement: interval of that percentile over all flown runs.
+    lost
+        Failing runs among all flown ones.
     failing
-        Numbers of the first failing runs.
+        Numbers of the first of them.
     dominant
         Inputs with the largest first-order indices of the measure, with the index.
     evidence
@@ -206,6 +208,7 @@ class Judgement:
     verdict: Verdict
     needed: Needed | None
     quantile: tuple[float, float] | None
+    lost: int
     failing: tuple[int, ...]
     dominant: tuple[tuple[str, float], ...]
     evidence: tuple[Counts, NDArray[np.float64], NDArray[np.float64]]
@@ -416,7 +419,7 @@ def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult
         dominant = _dominant(campaign, np.where(ended, np.nan, y))
     evidence = test.evidence(failures, found.runs)
     named = tuple(failures[:LISTED].tolist())
-    return Judgement(requirement, cell, verdict, needed, quantile, named, dominant, evidence)
+    return Judgement(requirement, cell, verdict, needed, quantile, failures.size, named, dominant, evidence)
 
 
 def in_words(needed: float) -> str:

@@ -273,12 +273,12 @@ def explanation(names: Sequence[str], values: Sequence[float], nominal: Sequence
     Parameters
     ----------
     names, values, nominal
-        Of the quantities of the flight: those at their nominal value are not needed.
+        Of the quantities of the flight: those at their nominal value, but for rounding, are not needed.
     """
     return [
         f"{name} {'above' if value > middle else 'below'} {value:.4g} (nominal {middle:.4g})"
         for name, value, middle in zip(names, values, nominal, strict=True)
-        if value != middle and not (math.isnan(value) and math.isnan(middle))
+        if not (math.isclose(value, middle, rel_tol=1e-9, abs_tol=1e-15) or (math.isnan(value) and math.isnan(middle)))
     ]
 
 
