@@ -98,6 +98,10 @@ def test_a_search_that_cannot_be_made_is_refused(monkeypatch: pytest.MonkeyPatch
         WorstCase(10, budget=20)
     with pytest.raises(InputError, match="one finite number a flight"):
         WorstCase(2, budget=100).run(lambda z: np.full(len(z), np.nan))
+    with pytest.raises(InputError, match="size: one number a flight belongs here, below 500000"):
+        WorstCase(2, budget=100).run(lambda z: z[:, 0] + 9, lambda z: np.full(len(z), np.nan))
+    with pytest.raises(InputError, match="seed = -1: a whole number"):
+        WorstCase(2, seed=-1)
     monkeypatch.setitem(sys.modules, "cma", None)
     with pytest.raises(InputError, match=r"needs the package 'cma': pip install 'gyrostat\[tune\]'"):
         WorstCase(2, budget=100).run(lambda z: z[:, 0] - 9)
