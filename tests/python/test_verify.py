@@ -24,7 +24,7 @@ from gyrostat.cli import app
 from gyrostat.errors import InputError
 from gyrostat.verification import flown
 from gyrostat.verification.requirements import RequirementFile, verify
-from gyrostat.verification.sequential import SequentialTest
+from gyrostat.verification.sequential import SequentialTest, runs_to_pass
 
 CAMPAIGN: dict[str, Any] = {
     "base": "wheel2_degraded",
@@ -126,6 +126,18 @@ def test_cells_of_a_grid_are_requirements_of_their_own(tmp_path: Path) -> None:
     assert got.judgements[0].verdict.failures == got.judgements[1].verdict.failures  # the same draws
     alone = verify(write(tmp_path, {"probability": {"at_most": 0.2}, "cell": "b"}, campaign), tmp_path / "flown")
     assert [j.cell for j in alone.judgements] == ["b"]
+
+
+@pytest.mark.parametrize("familywise", [False, True])
+def test_the_family_shares_the_error_of_a_false_pass_when_it_is_asked_to(familywise: bool, tmp_path: Path) -> None:
+    never = {"fails": {"final": {"above": 2.0}}, "probability": {"at_most": 0.01}}
+    file = write(tmp_path, never)
+    tables = toml.read(file)
+    tables["requirement"] = [{"id": name} | never for name in "AB"]
+    file.write_text(toml.write(tables | {"familywise": familywise}))
+    got = verify(file, tmp_path / "flown")
+    at = int(runs_to_pass(0, 0.01, 0.025 if familywise else 0.05)[0])
+    assert [(j.verdict.outcome, j.verdict.runs) for j in got.judgements] == [("PASS", at)] * 2
 
 
 @pytest.mark.parametrize(
