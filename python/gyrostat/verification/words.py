@@ -68,7 +68,7 @@ def uniforms(words: Words) -> NDArray[np.float64]:
     return ((words >> np.uint64(12)).astype(np.float64) + 0.5) * 2.0**-52
 
 
-def checked_seed(seed: int) -> None:
+def checked_seed(seed: object) -> None:
     """Refuse what is no key.
 
     Raises
