@@ -18,6 +18,7 @@ from gyrostat.files import made_folder, write_text
 
 if TYPE_CHECKING:
     from gyrostat.scenario import Scenario
+    from gyrostat.verification.flown import Gain
     from gyrostat.verification.rare import Rare
     from gyrostat.verification.requirements import Judgement, Report
     from gyrostat.verification.tune import Tuned
@@ -178,9 +179,7 @@ def tune(
     *,
     parameters: Annotated[
         list[str] | None,
-        typer.Option(
-            "--vary", metavar="KEY", help="A gain, like `controller.k1`; absent: all positive ones. Repeatable."
-        ),
+        typer.Option("--vary", metavar="KEY", help="A gain, like `controller.k1`; absent: all of them. Repeatable."),
     ] = None,
     effort: Annotated[
         float, typer.Option(help="Largest energy and command variation, over the published ones; `inf`: free.")
@@ -206,11 +205,11 @@ def tune(
     known = flown.parameters_of(loaded.base)
     chosen = parameters or list(known)
     if not chosen:
-        raise InputError("tune: the scenario has no positive number to tune")
+        raise InputError("tune: the scenario has no gain to tune")
     found = flown.tune(
         loaded, chosen, effort=effort, train=train, held_out=held_out, budget=budget, seed=seed, jobs=jobs
     )
-    values = {key: known[key] * float(f) for key, f in zip(chosen, found.factors, strict=True)}
+    values = {key: flown.scaled(known[key], float(f)) for key, f in zip(chosen, found.factors, strict=True)}
     if out is not None:
         with made_folder(out):
             write_text(out / "gains.toml", _gains(values, loaded.base))
@@ -218,11 +217,11 @@ def tune(
     if as_json:
         printing.as_json(_tuned(found, values))
         return
-    _print_tuned(found, chosen, known)
+    _print_tuned(found, known, values)
     typer.echo("\n" + _gains(values, loaded.base).rstrip())
 
 
-def _gains(values: dict[str, float], scenario: Scenario) -> str:
+def _gains(values: dict[str, Gain], scenario: Scenario) -> str:
     """Tables to paste: each component with its type, as it may stand nowhere in the scenario."""
     from gyrostat import toml
 
@@ -278,6 +277,8 @@ def _print_report(report: Report) -> None:
         if j.dominant:
             typer.echo("  most of it from: " + ", ".join(f"{name} {100 * s:.0f} %" for name, s in j.dominant))
         _lines([_rerun(report, j, run) for run in j.failing])
+        if (more := j.lost - len(j.failing)) > 0:
+            typer.echo(f"  and {more} more failing flights among the {report.runs} flown")
     typer.echo(f"{report.outcome}: {report.runs} of at most {report.max_runs} runs in {report.folder}")
 
 
@@ -301,7 +302,7 @@ def _report(report: Report) -> dict[str, Any]:
                  k: x if math.isfinite(x) else None
                  for k, x in (("low", j.needed.low), ("median", j.needed.median), ("high", j.needed.high))
              },
-             "dominant": dict(j.dominant), "failing": [_rerun(report, j, run) for run in j.failing]}
+             "dominant": dict(j.dominant), "lost": j.lost, "failing": [_rerun(report, j, run) for run in j.failing]}
             for j in report.judgements
         ],
     }  # fmt: skip
@@ -337,12 +338,12 @@ def _print_rare(found: Rare, written: Sequence[str]) -> None:
         _lines(written)
 
 
-def _print_tuned(found: Tuned, chosen: Sequence[str], known: dict[str, float]) -> None:
+def _print_tuned(found: Tuned, known: dict[str, Gain], values: dict[str, Gain]) -> None:
     printing.columns(
         [("gain", "published", "tuned", "factor")]
         + [
-            (key, f"{known[key]:.4g}", f"{known[key] * f:.4g}", f"{f:.2f}")
-            for key, f in zip(chosen, found.factors.tolist(), strict=True)
+            (key, _number(known[key]), _number(value), f"{f:.2f}")
+            for (key, value), f in zip(values.items(), found.factors.tolist(), strict=True)
         ]
     )
     for name, c in (("train", found.train), ("held out", found.held_out)):
@@ -358,7 +359,16 @@ def _print_tuned(found: Tuned, chosen: Sequence[str], known: dict[str, float]) -
                + ", ".join(f"x{t.energy:.2f} {t.worst_tenth:.1f} s" for t in found.trade()))  # fmt: skip
 
 
-def _tuned(found: Tuned, values: dict[str, float]) -> dict[str, Any]:
+def _number(gain: Gain) -> str:
+    """A number; of a vector or matrix the largest."""
+    return f"largest {_largest(gain):.4g}" if isinstance(gain, list) else f"{gain:.4g}"
+
+
+def _largest(gain: Gain) -> float:
+    return max(map(_largest, gain)) if isinstance(gain, list) else abs(gain)
+
+
+def _tuned(found: Tuned, values: dict[str, Gain]) -> dict[str, Any]:
     def told(c: Any) -> dict[str, Any]:
         quantiles = {f"{100 * q:g} %": c.percentile(q) for q in (0.5, 0.95)}
         return {**quantiles, "interval": c.interval, "energy": c.energy, "variation": c.variation}

@@ -245,6 +245,7 @@ def test_a_verdict_stands_on_top(tmp_path: Path) -> None:
     evidence = section(page, "evidence")
     assert evidence.count("<svg") == 2
     assert "1/α = 20" in evidence
+    assert "1/β = 40" in evidence  # any FAIL of two
     left = json.loads((tmp_path / "flown" / "requirements.json").read_text())
     for spoilt in ({}, left | {"runs": 10**9, "max_runs": 10**9}, left | {"runs": 0}, left | {"runs": 1e999}):
         (tmp_path / "flown" / "requirements.json").write_text(json.dumps(spoilt))

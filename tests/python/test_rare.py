@@ -216,11 +216,24 @@ def test_coxs_interval_holds_the_mean_of_lognormal_numbers() -> None:
         ({"inputs": 2, "population": 505}, "population = 505: a multiple of 10 belongs here"),
         ({"inputs": 2, "share": 0.3}, "share = 0.3: one over a whole number"),
         ({"inputs": 2, "replicates": 1}, "replicates = 1: without two"),
+        ({"inputs": 2, "seed": -1}, "seed = -1: a whole number from 0 to"),
+        ({"inputs": 2, "seed": 2**64}, "seed = 18446744073709551616: a whole number"),
+        ({"inputs": 2, "seed": 1.5}, r"seed = 1\.5: a whole number"),
     ],
 )
 def test_a_plan_that_cannot_be_flown_is_refused(arguments: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         SubsetSimulation(**arguments)  # type: ignore[arg-type]
+
+
+def test_a_margin_may_spoil_the_points_that_it_is_given() -> None:
+    def spoiling(z: Floats) -> Floats:
+        got = linear(3, 1e-2).margin(z)
+        z[:] = 7.0
+        return got
+
+    plan = SubsetSimulation(3, seed=1, population=50)
+    assert same(plan.run(spoiling), plan.run(linear(3, 1e-2).margin))
 
 
 def test_a_margin_that_is_not_finite_is_refused() -> None:

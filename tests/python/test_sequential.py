@@ -280,9 +280,18 @@ def test_what_is_no_probability_or_no_run_is_refused() -> None:
         SequentialTest(0.1).decide([10], 10)
     with pytest.raises(InputError, match="in order and each once"):
         SequentialTest(0.1).decide([3, 3], 10)
+    for what in ([False, True], [0.5], [[1, 2]]):  # which runs failed, shares, columns
+        with pytest.raises(InputError, match="numbers of the failing runs belong here"):
+            SequentialTest(0.1).decide(what, 10)
+    with pytest.raises(InputError, match="runs = -1: 0 or more"):
+        SequentialTest(0.1).decide([], -1)
+    with pytest.raises(InputError, match=r"level = 1\.5: between 0 and 1"):
+        quantile_interval([1.0, 2.0], 1.5)
 
 
 @pytest.mark.parametrize(("runs", "failures"), [(3, 4), (0, 1), (5, -1)])
 def test_an_interval_of_what_is_no_count_is_refused(runs: int, failures: int) -> None:
     with pytest.raises(InputError, match=f"failures = {failures}: from 0 to runs = {runs} belongs here"):
         rate_interval(runs, failures)
+    with pytest.raises(InputError, match=f"failures = {failures}: from 0 to runs = {runs} belongs here"):
+        failure_interval(runs, failures)

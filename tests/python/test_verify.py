@@ -24,7 +24,7 @@ from gyrostat.cli import app
 from gyrostat.errors import InputError
 from gyrostat.verification import flown
 from gyrostat.verification.requirements import RequirementFile, verify
-from gyrostat.verification.sequential import SequentialTest
+from gyrostat.verification.sequential import SequentialTest, runs_to_pass
 
 CAMPAIGN: dict[str, Any] = {
     "base": "wheel2_degraded",
@@ -84,6 +84,11 @@ def test_a_verdict_is_the_known_one(requirement: dict[str, Any], outcome: str, s
     (one,) = told["requirements"]
     assert one["interval"][0] <= one["failures"] / one["runs"] <= one["interval"][1]
     assert (one["needed"] is None) == (outcome != "UNDECIDED")
+    listed, lost = len(one["failing"]), one["lost"]
+    assert listed == min(5, lost)
+    assert lost >= one["failures"]  # those up to the verdict
+    text = call("verify", file, "--out", tmp_path / "flown")[1]
+    assert (f"and {lost - listed} more failing flights" in text) == (lost > listed)
 
 
 def test_verdicts_taken_up_again_are_those_of_one_go(tmp_path: Path) -> None:
@@ -123,6 +128,18 @@ def test_cells_of_a_grid_are_requirements_of_their_own(tmp_path: Path) -> None:
     assert [j.cell for j in alone.judgements] == ["b"]
 
 
+@pytest.mark.parametrize("familywise", [False, True])
+def test_the_family_shares_the_error_of_a_false_pass_when_it_is_asked_to(familywise: bool, tmp_path: Path) -> None:
+    never = {"fails": {"final": {"above": 2.0}}, "probability": {"at_most": 0.01}}
+    file = write(tmp_path, never)
+    tables = toml.read(file)
+    tables["requirement"] = [{"id": name} | never for name in "AB"]
+    file.write_text(toml.write(tables | {"familywise": familywise}))
+    got = verify(file, tmp_path / "flown")
+    at = int(runs_to_pass(0, 0.01, 0.025 if familywise else 0.05)[0])
+    assert [(j.verdict.outcome, j.verdict.runs) for j in got.judgements] == [("PASS", at)] * 2
+
+
 @pytest.mark.parametrize(
     ("requirement", "campaign", "message"),
     [
@@ -130,6 +147,9 @@ def test_cells_of_a_grid_are_requirements_of_their_own(tmp_path: Path) -> None:
         ({"probability": {"at_most": 0.2}}, {"sampling": "sobol"}, "write sampling = 'plain'"),
         ({"probability": {"at_most": 1.5}}, {}, "at_most = 1.5"),
         ({"probability": {"at_most": 0.1, "confidence": 1.0}}, {}, "confidence = 1.0"),
+        ({"probability": {"at_most": 0.1, "confidence": 0.05}}, {}, "confidence = 0.05"),  # alpha, by mistake
+        ({"percentile": {"of": "final", "level": 0.9, "at_most": math.inf}}, {}, "at_most = inf"),
+        ({"percentile": {"of": "final", "level": 0.9, "at_most": math.nan}}, {}, "at_most = nan"),
         ({}, {}, "one of 'probability' and 'percentile' belongs here"),
         ({"probability": {"at_most": 0.1, "atmost": 0.1}}, {}, "unknown key 'atmost', did you mean 'at_most'"),
         ({"percentile": {"of": "finale", "level": 0.9, "at_most": 1.0}}, {}, "no measure 'finale', did you mean"),
@@ -278,4 +298,16 @@ def test_tuned_gains_can_be_pasted_and_are_reported_on_other_flights(tmp_path: P
     assert base.replace(**tables).run().status == "completed"
     code, text = call("tune", tmp_path / "campaign.toml", "--vary", "controller.nothing")
     assert code == 2
-    assert "'controller.nothing' is no positive number of a component" in text
+    assert "'controller.nothing' is no gain of a component" in text
+
+
+def test_a_factor_is_on_all_of_a_vector_or_matrix() -> None:
+    known = flown.parameters_of(gs.Scenario.load("ftc_4rw").replace(observer="mixed_learning"))
+    assert isinstance(known["observer.K1"], list)
+    assert np.array(flown.scaled(known["observer.K1"], 2.0)).tolist() == (2 * np.array(known["observer.K1"])).tolist()
+    assert flown.scaled(0.3, 2.0) == 0.6
+    infinite = gs.Scenario.load("wang2023/stabilisation")
+    assert "controller.clamp" not in flown.parameters_of(infinite)
+    assert flown.parameters_of(infinite)["controller.K3"] == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    masked = gs.Scenario.load("ftc_4rw").replace(observer=gs.observer("iterative_learning", frozen=[0, 2]))
+    assert "observer.frozen" not in flown.parameters_of(masked)

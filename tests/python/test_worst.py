@@ -89,7 +89,7 @@ def test_what_is_left_of_a_flight_is_lost_and_needs_each_of_its_inputs(values: l
 
 
 def test_an_explanation_names_what_is_needed() -> None:
-    said = explanation(["wheel.remaining", "rate", "t_on"], [0.31, 0.04, 12.0], [0.6, 0.0, 12.0])
+    said = explanation(["wheel.remaining", "rate", "t_on", "q"], [0.31, 0.04, 12.0, 6e-17], [0.6, 0.0, 12.0, 3e-17])
     assert said == ["wheel.remaining below 0.31 (nominal 0.6)", "rate above 0.04 (nominal 0)"]
 
 
@@ -98,6 +98,10 @@ def test_a_search_that_cannot_be_made_is_refused(monkeypatch: pytest.MonkeyPatch
         WorstCase(10, budget=20)
     with pytest.raises(InputError, match="one finite number a flight"):
         WorstCase(2, budget=100).run(lambda z: np.full(len(z), np.nan))
+    with pytest.raises(InputError, match="size: one number a flight belongs here, below 500000"):
+        WorstCase(2, budget=100).run(lambda z: z[:, 0] + 9, lambda z: np.full(len(z), np.nan))
+    with pytest.raises(InputError, match="seed = -1: a whole number"):
+        WorstCase(2, seed=-1)
     monkeypatch.setitem(sys.modules, "cma", None)
     with pytest.raises(InputError, match=r"needs the package 'cma': pip install 'gyrostat\[tune\]'"):
         WorstCase(2, budget=100).run(lambda z: z[:, 0] - 9)

@@ -152,13 +152,14 @@ def evidence(report: Report) -> str:
     for j in report.judgements:
         at, for_pass, for_fail = j.evidence
         both = [x / math.log(10.0) for x in (for_pass, for_fail)]
-        level = -math.log10(1.0 - j.requirement.confidence)
-        finite = np.concatenate([x[np.isfinite(x)] for x in both] + [[level]])
-        y = Axis(max(float(finite.min()), -4.0), max(float(finite.max()), level) + 0.3, "evidence, decades")
+        levels = {math.log10(x): name for name, x in zip("βα", reversed(j.wanted), strict=True)}  # one where they agree
+        finite = np.concatenate([x[np.isfinite(x)] for x in both] + [list(levels)])
+        y = Axis(max(float(finite.min()), -4.0), float(finite.max()) + 0.3, "evidence, decades")
         plot = Plot(Axis(1.0, max(float(at[-1]), 2.0), "runs", log=True), y)
         for hue, x in enumerate(both):
             plot.line(at, x, hue)
-        plot.level(y=level, label=f"1/α = {10.0**level:.3g}")
+        for level, name in levels.items():
+            plot.level(y=level, label=f"1/{name} = {10.0**level:.3g}")
         plot.level(x=float(j.verdict.runs), label=j.verdict.outcome)
         drawn.append(_figure(j.name, plot))
     return keys(["for PASS", "for FAIL"]) + f'<div class="figures">{"".join(drawn)}</div>'

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from gyrostat.scenario import Scenario
 
 Floats = NDArray[np.float64]
+Gain = float | list[Any]
+"""A number, or a vector or matrix of numbers."""
 _SMALLEST = 2.0**-53
 
 
@@ -197,7 +199,7 @@ def tune(
     campaign
         Without a grid. Its measures are not used: settling, final error, energy and variation of the command are.
     parameters
-        Dotted keys of positive numbers, as `parameters_of` lists them.
+        Dotted keys, as `parameters_of` lists them; a factor is on all of a vector or matrix.
     effort, budget, seed
         As of `Tuner`.
     train, held_out
@@ -210,14 +212,14 @@ def tune(
     known = parameters_of(campaign.base)
     for key in parameters:
         if key not in known:
-            raise InputError(f"tune: '{key}' is no positive number of a component; there are: {', '.join(known)}")
+            raise InputError(f"tune: '{key}' is no gain of a component; there are: {', '.join(known)}")
         if parameters.count(key) > 1:
             raise InputError(f"tune: '{key}' stands twice")
     _changed(campaign, {key: known[key] for key in parameters})  # says why, if these cannot be flown
     splits = {"train": (0, train), "held-out": (train, train + held_out)}
 
     def fly(factors: Floats, split: str) -> FlownSet | None:
-        changes = {key: known[key] * float(f) for key, f in zip(parameters, factors, strict=True)}
+        changes = {key: scaled(known[key], float(f)) for key, f in zip(parameters, factors, strict=True)}
         try:
             changed = _changed(campaign, changes)
         except InputError:
@@ -251,18 +253,42 @@ def draw_trade(found: Tuned, path: Path) -> None:
         figure.savefig(temporary, dpi=150)
 
 
-def parameters_of(scenario: Scenario) -> dict[str, float]:
-    """Positive numbers of the observer, detector, controller and allocator, by dotted key."""
+def parameters_of(scenario: Scenario) -> dict[str, Gain]:
+    """Gains of the observer, detector, controller and allocator, by dotted key.
+
+    Positive numbers, and vectors and matrices that are not zero; what is infinite is switched off and no gain.
+    """
     tables = scenario.resolve()
     return {
-        f"{role}.{key}": float(value)
+        f"{role}.{key}": value
         for role in ("observer", "detector", "controller", "allocator")
         for key, value in (tables.get(role) or {}).items()
-        if isinstance(value, float) and 0 < value < 1e30
+        if _gain(value) and not _names_actuators(role, tables[role], key)
     }
 
 
-def _changed(campaign: Campaign, changes: dict[str, float]) -> Campaign:
+def scaled(value: Gain, factor: float) -> Gain:
+    """A gain times a factor."""
+    return [scaled(x, factor) for x in value] if isinstance(value, list) else value * factor
+
+
+def _gain(value: Any) -> bool:
+    if isinstance(value, float):
+        return 0 < value < 1e30
+    if not isinstance(value, list) or not value:
+        return False
+    array = np.asarray(value)
+    return array.dtype.kind in "if" and bool(np.isfinite(array).all() and array.any())
+
+
+def _names_actuators(role: str, table: dict[str, Any], key: str) -> bool:
+    from gyrostat import _core
+
+    known = table["type"] in _core.catalogue()[role]
+    return known and ("mask", key) in ((p["kind"], p["name"]) for p in _core.describe(role, table["type"])["params"])
+
+
+def _changed(campaign: Campaign, changes: dict[str, Gain]) -> Campaign:
     from gyrostat.campaign import Campaign
 
     tables = campaign.spec.table()
@@ -337,10 +363,12 @@ def _number(text: str) -> bool:
 __all__ = [
     "Explained",
     "FlownMargin",
+    "Gain",
     "draw_trade",
     "noise_versions",
     "parameters_of",
     "rare",
+    "scaled",
     "scenario",
     "tune",
     "uniform",

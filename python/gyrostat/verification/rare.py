@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from gyrostat.errors import InputError
-from gyrostat.verification.words import CHAINS, Words, stream, uniforms
+from gyrostat.verification.words import CHAINS, Words, checked_seed, stream, uniforms
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -165,6 +165,7 @@ class SubsetSimulation:
     keep_lost: int = field(default=10, kw_only=True)
 
     def __post_init__(self) -> None:
+        checked_seed(self.seed)
         if self.inputs < 0 or self.blocks < 0 or self.inputs + self.blocks == 0:
             raise InputError("inputs, blocks: at least one input or block of noise belongs here")
         if not 0 < self.share <= 0.5 or not _whole(1 / self.share):
@@ -319,7 +320,7 @@ class _Populations:
         number = shape[0] * shape[1]
         if number == 0:
             return np.zeros(shape), np.zeros(shape, np.int64)
-        points = (z.reshape(number, -1), versions.reshape(number, -1))
+        points = (z.reshape(number, -1).copy(), versions.reshape(number, -1).copy())  # theirs to change
         margins = np.asarray(self.margin(*points) if self.plan.blocks else self.margin(points[0]), float)
         if margins.shape != (number,):
             raise InputError(f"margin: {number} flights gave shape {margins.shape}; one number a flight belongs here")

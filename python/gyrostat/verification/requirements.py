@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from gyrostat.campaign import Campaign, CampaignResult, State
 
 Counts = NDArray[np.int64]
-Confidence = Annotated[float, Field(gt=0.0, lt=1.0)]
+Confidence = Annotated[float, Field(ge=0.5, lt=1.0)]
 
 LISTED = 5
 """Failing flights that are named."""
@@ -91,7 +91,7 @@ class Percentile(Model):
 
     of: str
     level: Annotated[float, Field(gt=0.0, lt=1.0)]
-    at_most: float
+    at_most: Annotated[float, Field(allow_inf_nan=False)]
     confidence: Confidence = 0.95
 
 
@@ -193,12 +193,16 @@ class Judgement:
         Runs still needed; None when decided.
     quantile
         Of a percentile requirement: interval of that percentile over all flown runs.
+    lost
+        Failing runs among all flown ones.
     failing
-        Numbers of the first failing runs.
+        Numbers of the first of them.
     dominant
         Inputs with the largest first-order indices of the measure, with the index.
     evidence
         As of `SequentialTest.evidence`.
+    wanted
+        Evidence at which PASS and FAIL are given.
     """
 
     requirement: Requirement
@@ -206,9 +210,11 @@ class Judgement:
     verdict: Verdict
     needed: Needed | None
     quantile: tuple[float, float] | None
+    lost: int
     failing: tuple[int, ...]
     dominant: tuple[tuple[str, float], ...]
     evidence: tuple[Counts, NDArray[np.float64], NDArray[np.float64]]
+    wanted: tuple[float, float]
 
     @property
     def name(self) -> str:
@@ -416,7 +422,8 @@ def _judged(found: _Failures, i: int, campaign: Campaign, result: CampaignResult
         dominant = _dominant(campaign, np.where(ended, np.nan, y))
     evidence = test.evidence(failures, found.runs)
     named = tuple(failures[:LISTED].tolist())
-    return Judgement(requirement, cell, verdict, needed, quantile, named, dominant, evidence)
+    wanted = 1 / test.alpha, 1 / test.beta
+    return Judgement(requirement, cell, verdict, needed, quantile, failures.size, named, dominant, evidence, wanted)
 
 
 def in_words(needed: float) -> str:
@@ -436,7 +443,8 @@ def draw_evidence(report: Report, path: Path) -> None:
         at, for_pass, for_fail = judgement.evidence
         axes.plot(at, for_pass / math.log(10), label="for PASS")
         axes.plot(at, np.where(np.isfinite(for_fail), for_fail, np.nan) / math.log(10), label="for FAIL")
-        axes.axhline(-math.log10(1 - judgement.requirement.confidence), color="0.5", lw=0.8)
+        for wanted in set(judgement.wanted):
+            axes.axhline(math.log10(wanted), color="0.5", lw=0.8)
         axes.set(title=f"{judgement.name}: {judgement.verdict.outcome}", xscale="log", ylabel="log10 evidence")
         axes.set_ylim(bottom=-3)
         axes.legend()

@@ -200,12 +200,11 @@ class SequentialTest:
 
     def crossing(self, failures: ArrayLike, runs: int) -> tuple[Outcome, int, int]:
         """As `decide`: the outcome, and runs and failures at the first crossing."""
-        numbers = np.asarray(failures, np.int64)
-        if numbers.size and (numbers[0] < 0 or numbers[-1] >= runs or (np.diff(numbers) <= 0).any()):
-            raise InputError(f"failures: run numbers from 0 to {runs - 1} belong here, in order and each once")
-        block = 64
-        for first in range(0, numbers.size + 1, block):
+        numbers = _run_numbers(failures, runs)
+        first, block = 0, 64
+        while first <= numbers.size:
             S = np.arange(first, min(first + block, numbers.size + 1))
+            first, block = first + block, min(2 * block, 65536)  # short campaigns end soon
             ends = np.append(numbers, runs)[S]  # runs before the next failure, or all
             passed = log_e_pass(ends, S, self.limit) >= -math.log(self.alpha)
             failed = log_e_fail(np.append(0, numbers + 1)[S], S, self.limit) >= -math.log(self.beta)
@@ -290,8 +289,14 @@ class SequentialTest:
 
 
 def failure_interval(runs: int, failures: int, alpha: float = 0.05, beta: float = 0.05) -> tuple[float, float]:
-    """Limits that neither one-sided test rejects, by bisection. See `SequentialTest.interval`."""
-    n, S = runs, failures
+    """Limits that neither one-sided test rejects, by bisection. See `SequentialTest.interval`.
+
+    Raises
+    ------
+    InputError
+        More failures than runs.
+    """
+    n, S = _counts(runs, failures)
     if n == 0:
         return 0.0, 1.0
     low, high = 0.0, 1.0
@@ -317,9 +322,7 @@ def rate_interval(runs: int, failures: int, alpha: float = 0.05) -> tuple[float,
     InputError
         More failures than runs.
     """
-    n, S = runs, failures
-    if not 0 <= S <= n:
-        raise InputError(f"failures = {S}: from 0 to runs = {n} belongs here")
+    n, S = _counts(runs, failures)
     if n == 0:
         return 0.0, 1.0
 
@@ -329,6 +332,24 @@ def rate_interval(runs: int, failures: int, alpha: float = 0.05) -> tuple[float,
     low = _bisect(rejected, inside=S / n, outside=0.0) if S > 0 else 0.0
     high = _bisect(rejected, inside=S / n, outside=1.0) if n > S else 1.0
     return low, high
+
+
+def _counts(runs: int, failures: int) -> tuple[int, int]:
+    if not 0 <= failures <= runs:
+        raise InputError(f"failures = {failures}: from 0 to runs = {runs} belongs here")
+    return runs, failures
+
+
+def _run_numbers(failures: ArrayLike, runs: int) -> Counts:
+    numbers = np.asarray(failures)
+    if runs < 0:
+        raise InputError(f"runs = {runs}: 0 or more belongs here")
+    if numbers.ndim != 1 or (numbers.size and numbers.dtype.kind not in "iu"):
+        raise InputError("failures: numbers of the failing runs belong here, whole ones in a list")
+    numbers = numbers.astype(np.int64)
+    if numbers.size and (numbers[0] < 0 or numbers[-1] >= runs or (np.diff(numbers) <= 0).any()):
+        raise InputError(f"failures: run numbers from 0 to {runs - 1} belong here, in order and each once")
+    return numbers
 
 
 def _log_e_rate(n: ArrayLike, S: ArrayLike, p: float) -> Floats:
@@ -367,7 +388,14 @@ def exceedance_counts(runs: int, level: float, alpha: float = 0.05) -> tuple[int
         Of the quantile, tau: a run is above it with probability 1 - tau.
     alpha
         Probability of ever missing it, at most.
+
+    Raises
+    ------
+    InputError
+        A level that is not between 0 and 1.
     """
+    if not 0 < level < 1:
+        raise InputError(f"level = {level:g}: between 0 and 1, ends excluded, belongs here")
     if runs == 0:
         return 0, 0
     p, threshold = 1 - level, -math.log(alpha)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrostat.errors import InputError
+from gyrostat.verification.words import checked_seed
 from gyrostat.verification.worst import evolution
 
 Floats = NDArray[np.float64]
@@ -148,6 +149,7 @@ class Tuner:
     seed: int = 0
 
     def __post_init__(self) -> None:
+        checked_seed(self.seed)
         if self.parameters < 1:
             raise InputError("parameters: at least one belongs here")
         if not self.effort >= 1:

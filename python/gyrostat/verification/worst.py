@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from gyrostat.errors import InputError
-from gyrostat.verification.words import OPTIMISERS, stream, uniforms
+from gyrostat.verification.words import OPTIMISERS, checked_seed, stream, uniforms
 
 Floats = NDArray[np.float64]
 Batch = Callable[[Floats], Floats]
@@ -106,11 +106,13 @@ class _Search:
 
     def fly(self, z: Floats) -> Floats:
         """Size where lost, else a large number that falls with the margin. Lower is better."""
-        margins = np.asarray(self.margin(z), float)
+        margins = np.asarray(self.margin(z.copy()), float)
         if margins.shape != (len(z),) or not np.isfinite(margins).all():
             raise InputError("margin: one finite number a flight belongs here")
         lost = margins > 0
-        sizes = np.asarray(self.size(z), float)
+        sizes = np.asarray(self.size(z.copy()), float)
+        if sizes.shape != (len(z),) or not (np.abs(sizes[lost]) < NOT_LOST / 2).all():
+            raise InputError(f"size: one number a flight belongs here, below {NOT_LOST / 2:g}")
         values = np.where(lost, sizes, NOT_LOST - 1e3 * margins)
         if lost.any() and self.first_lost < 0:
             self.first_lost = self.flights + int(np.argmax(lost))
@@ -144,6 +146,7 @@ class WorstCase:
     batch: int = 0
 
     def __post_init__(self) -> None:
+        checked_seed(self.seed)
         if self.inputs < 1:
             raise InputError(f"inputs = {self.inputs}: at least one belongs here")
         if self.batch == 0:
@@ -273,12 +276,12 @@ def explanation(names: Sequence[str], values: Sequence[float], nominal: Sequence
     Parameters
     ----------
     names, values, nominal
-        Of the quantities of the flight: those at their nominal value are not needed.
+        Of the quantities of the flight: those at their nominal value, but for rounding, are not needed.
     """
     return [
         f"{name} {'above' if value > middle else 'below'} {value:.4g} (nominal {middle:.4g})"
         for name, value, middle in zip(names, values, nominal, strict=True)
-        if value != middle and not (math.isnan(value) and math.isnan(middle))
+        if not (math.isclose(value, middle, rel_tol=1e-9, abs_tol=1e-15) or (math.isnan(value) and math.isnan(middle)))
     ]
 
 

@@ -49,11 +49,13 @@ class MixedLearningSlidingMode {
 
     MixedLearningGains<S> learning() const noexcept { return {K3, sigma4, sigma3, theta3, delay, clamp}; }
 
-    /// `SurfaceGains`; the learning has the bandwidth f of the linear part, keeps 0.999 and is clamped at the usable torque.
+    /// `SurfaceGains`, but the attitude decays at the frequency f of the linear part. The learning has twice that bandwidth, so that
+    /// it does not settle last, keeps 0.999, and is clamped at a tenth of the usable torque: a slew winds it up no further.
     explicit Params(const Setup<S>& setup) noexcept : SurfaceGains<S>(setup) {
       const S f = default_stiffness(setup).frequency;
-      K3 = f * f * setup.dt * setup.vehicle.J_B;
-      clamp = usable_torque(setup.vehicle);
+      this->delta = S(2) * f;
+      K3 = S(4) * f * f * setup.dt * setup.vehicle.J_B;
+      clamp = S(0.1) * usable_torque(setup.vehicle);
     }
   };
 
