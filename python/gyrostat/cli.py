@@ -520,15 +520,22 @@ def design(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="An option of the design, e.g. `settling_time=2`. Repeatable."),
     ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="For pictures of what was designed.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Design gains: parameters that can be pasted into a scenario, with every condition and its margin.
 
-    Without a name it lists the designs, with their options. Exit status 1 if a condition fails or no gains exist.
+    By its name each controller gets gains for a bandwidth (rad/s) and a damping, with phase, gain and delay margin of
+    the sampled loop, what appendages that bend do to it, and what a step asks of the actuators. Without a name it lists
+    the designs, with their options. Exit status 1 if a condition fails or no gains exist.
 
-    Examples: `gyrostat design`, `gyrostat design mixed_learning ftc_4rw --set settling_time=5`
+    Examples: `gyrostat design`, `gyrostat design mrp_feedback flexible_4 --set bandwidth=0.1 --set damping=0.8`,
+    `gyrostat design mixed_learning ftc_4rw --set settling_time=5`
     """
     from gyrostat.design import DESIGNS
+    from gyrostat.design.bandwidth_rules import WITHOUT_RULE
 
     if name is None:
         if as_json:
@@ -536,11 +543,17 @@ def design(
             return
         printing.designs(DESIGNS)
         return
+    if name in WITHOUT_RULE:
+        raise InputError(f"no design '{name}': {WITHOUT_RULE[name]}")
     if name not in DESIGNS:
         raise InputError(f"no design '{name}'{suggestion(name, DESIGNS)}")
     chosen = DESIGNS[name]
     given = {} if scenario is None else chosen.of_scenario(Scenario.load(scenario))
     report = chosen.run(chosen.options(**(given | _changes(settings))))
+    if out is not None:
+        with made_folder(out) as folder:
+            for key, figure in report.figures().items():
+                figure.save(folder / f"{key}.png")
     if as_json:
         printing.as_json(report.to_dict())
     else:

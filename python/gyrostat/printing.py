@@ -19,6 +19,8 @@ from gyrostat.text import number
 
 if TYPE_CHECKING:
     from gyrostat.design import Design, DesignReport, Finding
+    from gyrostat.design.linear_loop import Axis
+    from gyrostat.model import Model
     from gyrostat.papers import Reproduction, Row
     from gyrostat.results import Result
 
@@ -62,19 +64,35 @@ def checks(rows: Sequence[Mapping[str, Any]], remarks: Sequence[str], findings: 
 
 
 def designs(known: Mapping[str, Design]) -> None:
-    """Every design with its options."""
+    """Every design with its options; those that share them one after the other, with the options once."""
+    shared: dict[type[Model], list[str]] = {}
     for key, one in known.items():
-        typer.echo(f"{key}: {one.summary}")
-        columns([("", k, _described(f)) for k, f in one.options.model_fields.items()])
+        shared.setdefault(one.options, []).append(key)
+    for options, keys in shared.items():
+        for key in keys:
+            typer.echo(f"{key}: {known[key].summary}")
+        columns([("", k, _described(f)) for k, f in options.model_fields.items()])
 
 
 def design(report: DesignReport) -> None:
-    """Conditions of a design, then its components as they stand in a scenario."""
+    """Conditions of a design, the margins about each axis, then its components as they stand in a scenario."""
     columns(_finding_lines(report.findings))
+    if report.axes:
+        typer.echo("")
+        _axes(report.axes)
     for role, table in report.components.items():
         typer.echo(f"\n[{role}]")
         for key, value in table.items():
             typer.echo(f"{key} = {json.dumps(value)}")
+
+
+def _axes(axes: Sequence[Axis]) -> None:
+    """Margins about each principal axis."""
+    rows = [("J, kg m^2", "rad/s", "damping", "crossover", "phase, deg", "gain up", "gain down", "delay, s", "samples")]
+    for a in axes:
+        numbers = (a.J, a.frequency, a.damping, a.crossover, math.degrees(a.phase_margin), a.gain_up, a.gain_down)
+        rows.append(tuple(f"{x:.4g}" for x in (*numbers, a.delay_margin, a.delay_samples)))  # type: ignore[arg-type]
+    columns(rows)
 
 
 def reproductions(found: Sequence[Reproduction], page: Path | None, *, briefly: bool) -> None:

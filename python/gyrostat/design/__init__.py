@@ -9,6 +9,8 @@ take an option. `FIGURES` is what ``gyrostat check --out`` draws, by name. `DESI
 from collections.abc import Callable, Sequence
 
 from gyrostat.design import (
+    bandwidth,
+    bandwidth_rules,
     cmg,
     compensation,
     estimate_use,
@@ -20,6 +22,7 @@ from gyrostat.design import (
     learning_disturbance,
     learning_effectiveness,
     learning_loop,
+    linear_loop,
     mixed_learning,
     mixed_learning_tool,
     momentum,
@@ -95,6 +98,7 @@ def findings(
 
 
 DESIGNS: dict[str, Design] = {
+    **bandwidth.DESIGNS,
     "mixed_learning": mixed_learning_tool.DESIGN,
     "mixed_learning_six_steps": mixed_learning_tool.SIX_STEPS,
 }
@@ -109,6 +113,8 @@ __all__ = [
     "Finding",
     "LoopMargin",
     "attainable_after_faults",
+    "bandwidth",
+    "bandwidth_rules",
     "cmg",
     "compensation",
     "compensation_margin",
@@ -123,6 +129,7 @@ __all__ = [
     "learning_disturbance",
     "learning_effectiveness",
     "learning_loop",
+    "linear_loop",
     "loop_margin",
     "mixed_learning",
     "mixed_learning_tool",

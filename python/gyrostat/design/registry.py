@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from gyrostat.design.finding import Finding
+from gyrostat.design.linear_loop import Axis
 from gyrostat.model import Model
+from gyrostat.plots import Figure
 from gyrostat.scenario import Scenario
 
 
@@ -20,6 +22,10 @@ class DesignReport:
     """By role, as a scenario writes it; empty when there is no usable design."""
     findings: list[Finding]
     """Every condition with its number."""
+    axes: tuple[Axis, ...] = ()
+    """Margins about each principal axis of the inertia, where the design is one of a linear loop."""
+    figures: Callable[[], Mapping[str, Figure]] = dict
+    """Draws what there is to see, by name."""
 
     @property
     def ok(self) -> bool:
@@ -28,7 +34,8 @@ class DesignReport:
 
     def to_dict(self) -> dict[str, Any]:
         """As ``gyrostat design --json`` prints it."""
-        return {"ok": self.ok, "components": self.components, "findings": [vars(f) for f in self.findings]}
+        axes = {"axes": [vars(a) for a in self.axes]} if self.axes else {}
+        return {"ok": self.ok, "components": self.components, "findings": [vars(f) for f in self.findings], **axes}
 
 
 @dataclass(frozen=True)
