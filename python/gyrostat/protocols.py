@@ -3,14 +3,15 @@
 
 Each role of the stack needs ``step``; beside it a reference has ``at``, a sensor ``measure``, a fault ``apply``, an
 actuator ``deliver``, a disturbance ``torque_B``. Optional are ``setup(setup)``, called exactly once, before the run,
-with vehicle and period; ``telemetry()``, a dictionary of numbers and vectors that are recorded (`Telemetry`); ``start``,
-called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; ``skip(y, last)``
+with vehicle and period; ``telemetry()``, a dictionary of numbers and vectors that are recorded (`Telemetry`);
+``start``, called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; ``skip(y, last)``
 (observers), called instead of ``step`` for an interval that teaches nothing: rate or wheel momentum was not measured at
 one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; ``shift_rate(step)`` (observers), called
 before ``step`` where a navigator says that its rate has moved without motion (``y.rate_step``); and ``reset``
 (allocators). Every run flies a copy of the object (`copy.deepcopy`); `Result.components` holds the one that flew.
 The signals carry the names of the C++ contract: ``x.q_NB``, ``x.omega_BN_B``, ``ref.q_NR``, ``last.u``. An exception
-ends the run and reaches the caller unchanged. A Python step costs microseconds where a compiled one costs nanoseconds.
+ends the run and reaches the caller unchanged, with a note of where and when. A Python step costs microseconds where a
+compiled one costs nanoseconds.
 """
 
 from __future__ import annotations
@@ -93,8 +94,8 @@ class Drive(Protocol):
     """The law of an actuator: what it gives along its axis of what it is commanded.
 
     Beside the native ones, as ``Scenario(drives={2: MyWheel()})``. Flight knows axis and limits from the vehicle, as of
-    any other; with a ``wheel_inertia`` what is given is taken from a wheel, and momentum limit and friction of truth act
-    on it.
+    any other; with a ``wheel_inertia`` what is given is taken from a wheel, and momentum limit and friction of truth
+    act on it.
     """
 
     def deliver(
