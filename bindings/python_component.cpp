@@ -87,38 +87,53 @@ class Telemetry final : public host::Reporting {
     if (entries_.empty()) return row;
     const py::gil_scoped_acquire gil;
     const py::dict now = dictionary();
-    if (now.size() != entries_.size())
-      throw std::invalid_argument(where_ + " returned " + std::to_string(now.size()) +
-                                  " signals; at the start it were " + std::to_string(entries_.size()));
+    if (now.size() != entries_.size()) refuse_change(std::to_string(now.size()) + " signals", entries_.size());
     for (const host::TelemetryEntry& e : entries_) {
-      if (!now.contains(e.name)) throw std::invalid_argument(where_ + " returned no '" + e.name + "' any more");
-      const Numbers array = vector(e.name, now[py::str(e.name)]);
+      const py::str key(e.name);
+      if (!now.contains(key)) throw std::invalid_argument(where_ + " returned no '" + e.name + "' any more" + when());
+      const Numbers array = vector(e.name, now[key]);
       if (array.size() != e.width)
-        throw std::invalid_argument(where_ + " returned " + std::to_string(array.size()) + " numbers as '" + e.name +
-                                    "'; at the start it were " + std::to_string(e.width));
+        refuse_change(std::to_string(array.size()) + " numbers as '" + e.name + "'", static_cast<std::size_t>(e.width));
       row = std::copy_n(array.data(), e.width, row);
     }
     return row;
   }
+  /// The object was called at t: what it publishes is of that time.
+  void see(double t) noexcept { t_ = t; }
 
  private:
+  std::string when() const { return " (" + at_time(t_) + ")"; }
+  [[noreturn]] void refuse_change(const std::string& what, std::size_t before) const {
+    throw std::invalid_argument(where_ + " returned " + what + ", and " + std::to_string(before) + " at the start" +
+                                when());
+  }
   py::dict dictionary() const {
-    const py::object out = (*function_)();
+    const py::object out = called(*function_, [this] { return where_; }, t_);
     if (py::isinstance<py::dict>(out)) return py::reinterpret_borrow<py::dict>(out);
     throw std::invalid_argument(where_ + " returned" + (out.is_none() ? " nothing (None)" : " a " + class_name(out)) +
                                 "; a dictionary of numbers and vectors belongs there");
   }
   Numbers vector(const std::string& name, const py::handle& value) const {
-    const Numbers array = numbers(py::reinterpret_borrow<py::object>(value), where_ + " returned as '" + name + "'",
-                                  "a number or a vector");
-    if (array.ndim() <= 1) return array;
-    throw std::invalid_argument(where_ + " returned an array of " + std::to_string(array.ndim()) + " dimensions as '" +
-                                name + "'; a number or a vector belongs there");
+    const auto refuse = [&](const std::string& what) {
+      throw std::invalid_argument(where_ + " returned " + what + " as '" + name +
+                                  "'; a number or a vector belongs there");
+    };
+    const auto object = py::reinterpret_borrow<py::object>(value);
+    if (object.is_none()) refuse("nothing (None)");
+    Numbers array;
+    try {
+      array = Numbers(object);
+    } catch (const py::error_already_set&) {
+      refuse("a " + class_name(object));
+    }
+    if (array.ndim() > 1) refuse("an array of " + std::to_string(array.ndim()) + " dimensions");
+    return array;
   }
 
   std::string where_;
   Held function_;
   std::vector<host::TelemetryEntry> entries_;
+  double t_ = 0;  ///< s, of the last call
 };
 
 /// A role that is no flight component: the object with one function, and what it says of a mistake.
@@ -133,6 +148,7 @@ struct PythonFunction {
   }
   template <class... Args>
   py::object operator()(double t, Args&&... args) const {
+    telemetry->see(t);
     return called(*function, [this] { return where; }, t, std::forward<Args>(args)...);
   }
   std::string who, where, returned;
@@ -198,7 +214,9 @@ class PythonModel : public Base {
   /// Of `from` at this tick.
   template <class... Args>
   py::object call(const Held& function, const char* from, Tick tick, const Args&... args) const {
-    return called(*function, [&] { return who_ + "." + from; }, static_cast<double>(tick) * setup_.dt, args...);
+    const double t = static_cast<double>(tick) * setup_.dt;
+    telemetry_->see(t);
+    return called(*function, [&] { return who_ + "." + from; }, t, args...);
   }
 
   /// What a function gave, when it is a signal of this kind.

@@ -144,6 +144,11 @@ class Result:
         tables = self.scenario if isinstance(self.scenario, dict) else self.scenario.to_dict()
         return {k: _described(v) for k, v in tables.items()}
 
+    @property
+    def known_faults(self) -> list[dict[str, Any]]:
+        """Tables of the faults that flew and are of the catalogue."""
+        return [fault for fault in self.description.get("faults", []) if fault.get("type") != "python"]
+
     @cached_property
     def metrics(self) -> Metrics:
         """Settling time, pointing error, energy, ... of this run."""
