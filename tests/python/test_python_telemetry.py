@@ -128,7 +128,7 @@ def test_all_roles_are_recorded_after_their_samples(result: gs.Result) -> None:
         np.testing.assert_array_equal(result[f"{name}.pair"], np.stack([calls, -calls], axis=1))
 
 
-def test_they_are_channels_like_all_others(flight: gs.Scenario, tmp_path: Path) -> None:
+def test_they_are_channels_like_all_others(flight: gs.Scenario) -> None:
     offered = {c["name"]: c for c in flight.channel_names()}
     assert offered["drive2.each"] | {"meaning": ""} == {
         "name": "drive2.each",
@@ -191,14 +191,14 @@ def test_a_law_tells_the_same_as_a_compiled_one(flight: gs.Scenario) -> None:
 @pytest.mark.parametrize(
     ("out", "said"),
     [
-        (lambda k: None, "returned nothing (None); a dictionary of numbers and vectors belongs there"),
-        (lambda k: [1.0], "returned a list; a dictionary of numbers and vectors belongs there"),
-        (lambda k: {1: 2.0}, "returned the name 1; the name of a signal is a text like those of variables"),
-        (lambda k: {"a.b": 2.0}, "returned the name 'a.b'; the name of a signal is a text like those of variables"),
-        (lambda k: {"a": "b"}, "returned a str as 'a'; a number or a vector belongs there"),
-        (lambda k: {"a": None}, "returned nothing (None) as 'a'; a number or a vector belongs there"),
-        (lambda k: {"a": []}, "returned no number as 'a'"),
-        (lambda k: {"a": np.eye(2)}, "returned an array of 2 dimensions as 'a'; a number or a vector belongs there"),
+        (lambda _: None, "returned nothing (None); a dictionary of numbers and vectors belongs there"),
+        (lambda _: [1.0], "returned a list; a dictionary of numbers and vectors belongs there"),
+        (lambda _: {1: 2.0}, "returned the name 1; the name of a signal is a text like those of variables"),
+        (lambda _: {"a.b": 2.0}, "returned the name 'a.b'; the name of a signal is a text like those of variables"),
+        (lambda _: {"a": "b"}, "returned a str as 'a'; a number or a vector belongs there"),
+        (lambda _: {"a": None}, "returned nothing (None) as 'a'; a number or a vector belongs there"),
+        (lambda _: {"a": []}, "returned no number as 'a'"),
+        (lambda _: {"a": np.eye(2)}, "returned an array of 2 dimensions as 'a'; a number or a vector belongs there"),
         (lambda k: {"a": np.zeros(2 if k < 3 else 3)}, "returned 3 numbers as 'a', and 2 at the start (at t = 0.1 s)"),
         (
             lambda k: {"a": 1.0, **({"b": 2.0} if k > 2 else {})},
