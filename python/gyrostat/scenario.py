@@ -400,11 +400,27 @@ class Scenario(Model):
             for i, f in enumerate(self.faults)
             if isinstance(f, Component)
         ]
-        return [
+        late = [
             f"{fault} never begins: t_on = {t_on:g} s, and the run ends at {self.duration:g} s"
             for fault, t_on in onsets
             if t_on >= self.duration
         ]
+        return [*late, *self._unheard()]
+
+    def _unheard(self) -> Iterator[str]:
+        """A gyro that is slower than the stack, behind an observer that learns from differences of two rates."""
+        observer, hears = self.observer, "joint_kalman"
+        if not isinstance(observer, Component) or observer.type == hears:
+            return
+        if not _core.describe("observer", observer.type)["traits"]["estimates"]:
+            return
+        for i, sensor in enumerate(self.sensors):
+            every = sensor.params.get("every", 1) if isinstance(sensor, Component) and sensor.type == "gyro" else 1
+            if every > 1:
+                yield (
+                    f"sensors[{i}] 'gyro' has a rate every {every} samples, and observer '{observer.type}' learns from "
+                    f"two in a row: it learns nothing; dt = {every * self.dt:g} s is the gyro's, or take {hears}"
+                )
 
     def resolve(self) -> dict[str, Any]:
         """The scenario with every default filled in, as plain tables."""
