@@ -228,7 +228,7 @@ def test_campaigns_and_experiments_fly_it_on_one_thread() -> None:
     measure = {name: {"metric": "final", "signal": signal} for name, signal in signals.items()}
     experiment = gs.Experiment(flight, vary=["faults.0.remaining"], measure=measure)
     flown = experiment.fly([[0.5], [0.2]], threads=2)
-    alone = experiment.scenario([0.2], run=1).run()
+    alone = experiment.scenario([0.2], 1).run()
     assert flown["last"][1] == alone["drive1.now"][-1]
     assert flown["e"][1] == alone["error.angle"][-1]
 
