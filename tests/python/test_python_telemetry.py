@@ -20,7 +20,7 @@ class Publishing:
         self.calls, self.t = 0, 0.0
 
     def setup(self, setup: gs.Setup) -> None:
-        self.setup_, self.each = setup, np.zeros(setup.vehicle.actuators)
+        self.setup_, self.each = setup, np.zeros(setup.vehicle.D_B.shape[1])
 
     def called(self, t: float) -> None:
         self.calls, self.t = self.calls + 1, t
