@@ -115,7 +115,7 @@ py::dict inner_rates(const Compiled& c) {
 
 py::list channel_names(const Compiled& c, const py::dict& components) {
   py::list rows;
-  for (const host::ChannelInfo& info : host::channels(c.assembly, python_components(components, Use::look)))
+  for (const host::ChannelInfo& info : host::channels(c.assembly, python_components(components, Use::fly)))
     rows.append(channel(info));
   return rows;
 }

@@ -45,7 +45,7 @@ class Metrics:
     @property
     def last_fault(self) -> float:
         """Onset of the last fault that the run saw, s; 0 without faults."""
-        onsets = [float(fault.get("t_on", 0.0)) for fault in self._result.description.get("faults", [])]
+        onsets = [float(fault.get("t_on", 0.0)) for fault in self._result.known_faults]
         return max((t_on for t_on in onsets if t_on < self._result.end_time), default=0.0)
 
     @property

@@ -254,7 +254,7 @@ def thin(t: NDArray[np.float64], x: NDArray[np.float64]) -> tuple[NDArray[np.flo
 def fault_marks(result: Result) -> list[tuple[float, str]]:
     """Onset and name of every fault of a run that starts after t = 0, one mark an instant."""
     marks: dict[float, list[str]] = {}
-    for fault in result.description.get("faults", []):
+    for fault in result.known_faults:
         onset = float(fault.get("t_on", 0.0))
         if 0.0 < onset <= result.end_time:
             marks.setdefault(onset, []).append(f"{fault['type'].replace('_', ' ')}, actuator {fault['actuator']}")

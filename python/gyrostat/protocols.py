@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: MIT
 """What a Python object must offer to fly in the loop in place of a catalogue component.
 
-Each role of the stack needs ``step``; beside it a reference has ``at``, a sensor ``measure``, a fault ``apply``, a
-disturbance ``torque_B``. Optional are ``setup(setup)``, called exactly once, before
-the run, with vehicle and period; ``start``, called at tick 0, when no interval has passed, with the arguments of
-``step`` but ``last``; ``skip(y, last)``
+Each role of the stack needs ``step``; beside it a reference has ``at``, a sensor ``measure``, a fault ``apply``, an
+actuator ``deliver``, a disturbance ``torque_B``. Optional are ``setup(setup)``, called exactly once, before the run,
+with vehicle and period; ``telemetry()``, a dictionary of numbers and vectors that are recorded (`Telemetry`);
+``start``, called at tick 0, when no interval has passed, with the arguments of ``step`` but ``last``; ``skip(y, last)``
 (observers), called instead of ``step`` for an interval that teaches nothing: rate or wheel momentum was not measured at
 one of its ends (``y.rate_valid``, ``y.momentum_valid``), or the state jumped; ``shift_rate(step)`` (observers), called
 before ``step`` where a navigator says that its rate has moved without motion (``y.rate_step``); and ``reset``
 (allocators). Every run flies a copy of the object (`copy.deepcopy`); `Result.components` holds the one that flew.
 The signals carry the names of the C++ contract: ``x.q_NB``, ``x.omega_BN_B``, ``ref.q_NR``, ``last.u``. An exception
-ends the run and reaches the caller unchanged. A Python step costs microseconds where a compiled one costs nanoseconds.
+ends the run and reaches the caller unchanged, with a note of where and when. A Python step costs microseconds where a
+compiled one costs nanoseconds.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -85,6 +87,47 @@ class Fault(Protocol):
 
     def apply(self, t: float, u: NDArray[np.float64], /) -> NDArray[np.float64]:
         """Every sample: the command issued at `t` -> the one that arrives, held until the next sample."""
+
+
+@runtime_checkable
+class Drive(Protocol):
+    """The law of an actuator: what it gives along its axis of what it is commanded.
+
+    Beside the native ones, as ``Scenario(drives={2: MyWheel()})``. Flight knows axis and limits from the vehicle, as of
+    any other; with a ``wheel_inertia`` what is given is taken from a wheel, and momentum limit and friction of truth
+    act on it.
+    """
+
+    def deliver(
+        self, t: float, u: float, h_w: float, omega_BN_B: NDArray[np.float64], /
+    ) -> float | NDArray[np.float64] | list[tuple[float, float]]:
+        """Every sample: N m (A m^2 of a magnetorquer) from `t` on, held until the next one, before faults act on it.
+
+        Or rows ``(after, value)``: `value` is given from ``t + after`` on. They begin at 0, go on in order of time, and
+        end before the period is over.
+
+        Parameters
+        ----------
+        t
+            Time of the sample, s.
+        u
+            The command that arrives, inside the true limits where these act on commands.
+        h_w
+            Momentum in the wheel, N m s; 0 where it is none.
+        omega_BN_B
+            (3,) body rate, rad/s.
+        """
+
+
+@runtime_checkable
+class Telemetry(Protocol):
+    """What any of them may have beside: inner signals that are recorded as ``controller.name``, ``drive2.name``, ..."""
+
+    def telemetry(self) -> Mapping[str, float | NDArray[np.float64]]:
+        """Numbers and vectors by name: always the same names, and sizes.
+
+        Asked once after ``setup``, for names and sizes, and then at every recorded sample.
+        """
 
 
 @runtime_checkable

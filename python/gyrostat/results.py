@@ -142,7 +142,12 @@ class Result:
     def description(self) -> dict[str, Any]:
         """The scenario as plain tables."""
         tables = self.scenario if isinstance(self.scenario, dict) else self.scenario.to_dict()
-        return {k: v if _is_plain(v) else {"type": "python", "class": type(v).__name__} for k, v in tables.items()}
+        return {k: _described(v) for k, v in tables.items()}
+
+    @property
+    def known_faults(self) -> list[dict[str, Any]]:
+        """Tables of the faults that flew and are of the catalogue."""
+        return [fault for fault in self.description.get("faults", []) if fault.get("type") != "python"]
 
     @cached_property
     def metrics(self) -> Metrics:
@@ -308,5 +313,11 @@ def _rank(group: str) -> tuple[int, str]:
     return (_groups.index(group) if group in _groups else len(_groups), group)
 
 
-def _is_plain(value: Any) -> bool:
-    return isinstance(value, bool | int | float | str | list | dict)
+def _described(value: Any) -> Any:
+    """Plain: a Python component as its class."""
+    if isinstance(value, dict):
+        return {str(k): _described(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_described(v) for v in value]
+    plain = value is None or isinstance(value, bool | int | float | str)
+    return value if plain else {"type": "python", "class": type(value).__name__}

@@ -64,11 +64,11 @@ class Facts(Model):
     def catalogued(self) -> Scenario:
         """The scenario, without the Python components that flew."""
         with input_errors("scenario"):
-            return Scenario.from_dict({k: v for k, v in self.scenario.items() if not _is_python(v)})
+            return Scenario.from_dict(_catalogued(self.scenario))
 
     def flown(self) -> Scenario | dict[str, Any]:
         """The scenario; its tables as they are when a Python component flew."""
-        return self.scenario if any(map(_is_python, self.scenario.values())) else self.catalogued()
+        return self.catalogued() if _catalogued(self.scenario) == self.scenario else self.scenario
 
     def hold_against(self, t: NDArray[np.float64], channels: Mapping[str, NDArray[np.float64]]) -> None:
         """Compare with the arrays.
@@ -95,6 +95,15 @@ class Facts(Model):
             raise InputError(
                 f"status is completed, and the run ended at {self.end_time:g} s of {scenario.duration:g} s"
             )
+
+
+def _catalogued(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Without what Python components were; those that are drives have a table of their own."""
+    return {
+        k: [entry for entry in v if not _is_python(entry)] if isinstance(v, list) else v
+        for k, v in tables.items()
+        if k != "drives" and not _is_python(v)
+    }
 
 
 def _is_python(value: Any) -> bool:

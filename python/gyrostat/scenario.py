@@ -105,6 +105,30 @@ def _components(value: Any, info: ValidationInfo) -> tuple[Component, ...]:
     return tuple(_component(v, info) for v in value)
 
 
+def _drives(value: Any) -> tuple[tuple[int, Any], ...]:
+    """Objects by the actuator whose law they are."""
+    if not isinstance(value, Mapping | tuple):
+        raise InputError(f"{shown(value)} is no table of objects by actuator; write {{2: {_class_of(value).__name__}}}")
+    pairs = tuple(value.items() if isinstance(value, Mapping) else value)
+    for actuator, drive in pairs:
+        if not isinstance(actuator, int | np.integer) or isinstance(actuator, bool) or actuator < 0:
+            raise InputError(f"{shown(actuator)} is no actuator; a column of D_B belongs here, counted from 0")
+        if isinstance(drive, type):
+            raise InputError(f"{drive.__name__} is a class; an object of it belongs here: {drive.__name__}(...)")
+        if not callable(getattr(drive, "deliver", None)):
+            raise InputError(
+                f"actuator {actuator}: {shown(drive)} is a {type(drive).__name__} without deliver(...); "
+                "an object that says what the actuator gives belongs here"
+            )
+    for at, (actuator, drive) in enumerate(pairs):
+        for other, known in pairs[:at]:
+            if known is drive:
+                raise InputError(
+                    f"actuators {other} and {actuator} are one object of {type(drive).__name__}; each needs its own"
+                )
+    return tuple((int(actuator), drive) for actuator, drive in pairs)
+
+
 def _names(value: Any) -> tuple[str, ...] | None:
     """Names of channels: a list, never a single text, which is a list of letters to Python."""
     if value is None:
@@ -134,6 +158,7 @@ _One = Annotated[Component | str | None, PlainValidator(_component)]
 _Sensors = Annotated[Sequence[Component | protocols.Sensor], PlainValidator(_components)]
 _Faults = Annotated[Sequence[Component | protocols.Fault], PlainValidator(_components)]
 _Disturbances = Annotated[Sequence[Component | protocols.Disturbance], PlainValidator(_components)]
+_Drives = Annotated[Mapping[int, protocols.Drive] | Sequence[tuple[int, protocols.Drive]], PlainValidator(_drives)]
 _Navigator = Annotated[Component | protocols.Navigator | str | None, PlainValidator(_role)]
 _Observer = Annotated[Component | protocols.Observer | str | None, PlainValidator(_role)]
 _Detector = Annotated[Component | protocols.Detector | str | None, PlainValidator(_role)]
@@ -191,6 +216,9 @@ class Scenario(Model):
         The attitude to follow and the integrator of the truth.
     faults, disturbances, sensors
         What acts on the truth; see the modules of these names.
+    drives
+        Actuators that are Python objects, by their column of ``D_B``: what they give of a command
+        (`gyrostat.protocols.Drive`). Axis, limits and whether it is a wheel stay the vehicle's.
     shadows
         Further (observer, detector) pairs on the same signals.
     seed, run_number
@@ -247,6 +275,7 @@ class Scenario(Model):
     faults: _Faults = ()
     disturbances: _Disturbances = ()
     sensors: _Sensors = ()
+    drives: _Drives = ()
     shadows: Sequence[Shadow] = ()
     record: Record | None = None
 
@@ -257,8 +286,11 @@ class Scenario(Model):
         if isinstance(data, dict):
             if isinstance(data.get("shadows"), list):
                 data = {**data, "shadows": tuple(data["shadows"])}
+            if "actuators" in data:
+                raise InputError("unknown key 'actuators'; Python objects are 'drives', {column of D_B: object}")
             shadows = data.get("shadows")
-            for table in (*data.values(), *(shadows if isinstance(shadows, tuple) else ())):
+            tables = [value for key, value in data.items() if key != "drives"]
+            for table in (*tables, *(shadows if isinstance(shadows, tuple) else ())):
                 if isinstance(table, dict) and not all(isinstance(key, str) for key in table):
                     raise InputError(f"{shown(table)}: the keys of a table are texts")
         return data
@@ -301,7 +333,7 @@ class Scenario(Model):
             value = getattr(self, key)
             if value is None or value in ((), "") or value is False or (key == "run_number" and value == 0):
                 continue
-            tables[key] = _table(value)
+            tables[key] = dict(value) if key == "drives" else _table(value)
         return tables
 
     def to_toml(self, path: str | Path | None = None) -> str:
@@ -368,11 +400,27 @@ class Scenario(Model):
             for i, f in enumerate(self.faults)
             if isinstance(f, Component)
         ]
-        return [
+        late = [
             f"{fault} never begins: t_on = {t_on:g} s, and the run ends at {self.duration:g} s"
             for fault, t_on in onsets
             if t_on >= self.duration
         ]
+        return [*late, *self._unheard()]
+
+    def _unheard(self) -> Iterator[str]:
+        """A gyro that is slower than the stack, behind an observer that learns from differences of two rates."""
+        observer, hears = self.observer, "joint_kalman"
+        if not isinstance(observer, Component) or observer.type == hears:
+            return
+        if not _core.describe("observer", observer.type)["traits"]["estimates"]:
+            return
+        for i, sensor in enumerate(self.sensors):
+            every = sensor.params.get("every", 1) if isinstance(sensor, Component) and sensor.type == "gyro" else 1
+            if every > 1:
+                yield (
+                    f"sensors[{i}] 'gyro' has a rate every {every} samples, and observer '{observer.type}' learns from "
+                    f"two in a row: it learns nothing; dt = {every * self.dt:g} s is the gyro's, or take {hears}"
+                )
 
     def resolve(self) -> dict[str, Any]:
         """The scenario with every default filled in, as plain tables."""
@@ -380,7 +428,7 @@ class Scenario(Model):
 
     def channel_names(self) -> list[dict[str, Any]]:
         """Every channel a run can record: name, size, unit and meaning."""
-        return self.compiled.channel_names(self.python_components())
+        return self.compiled.channel_names(copies(self.python_components()))
 
     def run(
         self,
@@ -459,17 +507,23 @@ class Scenario(Model):
         return dict(_leaves("", self.resolve()))
 
     def python_components(self) -> dict[str, object]:
-        """The roles that Python objects play, with the objects; of sensors, faults and disturbances a list of those."""
+        """The roles that Python objects play, with the objects.
+
+        Of sensors, faults and disturbances a list of those, of drives a dictionary by actuator.
+        """
         found = {role: getattr(self, role) for role in _roles}
         alone = {r: c for r, c in found.items() if c is not None and not isinstance(c, Component)}
         listed = {k: [c for c in getattr(self, k) if not isinstance(c, Component)] for k in _calls}
-        return alone | {k: objects for k, objects in listed.items() if objects}
+        driven = {"drives": dict(self.drives)} if self.drives else {}
+        return alone | {k: objects for k, objects in listed.items() if objects} | driven
 
     def tables(self) -> dict[str, Any]:
-        """As `to_dict`, for the host: a Python component stands as ``type = "python"``, or not in its list."""
+        """As `to_dict`, for the host: a Python component stands as ``type = "python"``, or not in its list or table."""
         tables = self.to_dict()
         for role in self.python_components():
-            if role in _calls:
+            if role == "drives":
+                del tables[role]
+            elif role in _calls:
                 tables[role] = [_table(c) for c in getattr(self, role) if isinstance(c, Component)]
             else:
                 tables[role] = {"type": "python"}

@@ -104,3 +104,33 @@ def test_run_says_what_the_guard_did(tmp_path: Path) -> None:
     assert failed.exit_code == 3
     assert "the stack never issued a command of its own: attitude not measured" in " ".join(failed.output.split())
     assert gs.Result.load(tmp_path / "run.npz").status == "no_command"
+
+
+def test_a_gyro_slower_than_the_stack_is_heard_by_who_carries_a_model_on() -> None:
+    """The table of docs/components/sensor/gyro.md: error over 80 to 100 s, deg."""
+    vehicle = {**gs.vehicle.ftc_4rw().to_dict(), "wheel_inertia": None}
+    push = gs.disturbances.Constant(torque_B=(2e-2, -1e-2, 1e-2))
+    base = gs.Scenario.load("wheel2_degraded").replace(
+        vehicle=vehicle, controller="mrp_feedback", disturbances=[push], duration=100.0
+    )
+
+    def flown(observer: str, every: int, dt: float) -> tuple[float, list[str]]:
+        sensors = [gs.sensors.Gyro(noise=1e-5, every=every), gs.sensors.Attitude(noise=2e-5)]
+        scenario = base.replace(observer=observer, dt=dt, sensors=sensors)
+        result = scenario.run(channels=["error.angle"])
+        return float(np.degrees(result["error.angle"][result.t > 80.0].max())), scenario.remarks()
+
+    deaf, remarks = flown("finite_time_disturbance", 2, 0.01)
+    assert 3.3 < deaf < 3.6
+    assert [remark.partition(", and observer")[0] for remark in remarks] == [
+        "sensors[0] 'gyro' has a rate every 2 samples"
+    ]
+    assert remarks[0].endswith("it learns nothing; dt = 0.02 s is the gyro's, or take joint_kalman")
+    for observer, every, dt in (
+        ("finite_time_disturbance", 1, 0.02),
+        ("joint_kalman", 2, 0.01),
+        ("joint_kalman", 5, 0.01),
+    ):
+        error, remarks = flown(observer, every, dt)
+        assert error < 0.004
+        assert remarks == []

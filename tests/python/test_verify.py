@@ -302,7 +302,7 @@ def test_tuned_gains_can_be_pasted_and_are_reported_on_other_flights(tmp_path: P
 
 
 def test_a_factor_is_on_all_of_a_vector_or_matrix() -> None:
-    known = flown.parameters_of(gs.Scenario.load("ftc_4rw").replace(observer="mixed_learning"))
+    known = flown.parameters_of(gs.Scenario.load("ftc_4rw").replace(observer="mixed_learning_disturbance"))
     assert isinstance(known["observer.K1"], list)
     assert np.array(flown.scaled(known["observer.K1"], 2.0)).tolist() == (2 * np.array(known["observer.K1"])).tolist()
     assert flown.scaled(0.3, 2.0) == 0.6

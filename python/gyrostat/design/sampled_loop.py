@@ -128,6 +128,7 @@ def quiet(scenario: Scenario, effectiveness: Sequence[float] | float, size: floa
         "desaturation": None,
         "faults": [],
         "disturbances": [],
+        "drives": {},
         "sensors": delays,
         "shadows": [],
         "record": None,

@@ -33,7 +33,7 @@ class Mark:
 def faults(result: Result) -> list[Mark]:
     """Every fault that begins before the run ends, with the time for which it lasts."""
     marks = []
-    for fault in result.description.get("faults", []):
+    for fault in result.known_faults:
         onset, end = float(fault.get("t_on", 0.0)), min(float(fault.get("t_off", math.inf)), result.end_time)
         if onset <= end:
             marks.append(Mark("fault", onset, f"{fault['type'].replace('_', ' ')}, actuator {fault['actuator']}", end))

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
-from typing import Any
 
 from gyrostat import toml
 from gyrostat.metrics import UNITS
@@ -106,13 +105,9 @@ def _events(result: Result) -> str:
 
 def scenario_text(result: Result) -> str:
     """The scenario of a result as a TOML file says it."""
-    if isinstance(result.scenario, Scenario) and not _flew_python(result.description):
+    if isinstance(result.scenario, Scenario) and not result.scenario.python_components():
         return result.scenario.to_toml()
     return toml.write(result.description)
-
-
-def _flew_python(description: Mapping[str, Any]) -> bool:
-    return any(isinstance(v, Mapping) and v.get("type") == "python" for v in description.values())
 
 
 def _text(result: Result, share: int = 1) -> str:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -57,6 +58,28 @@ TEST(Plant, AFaultBetweenTwoSamplesActsFromItsTimeToItsTime) {
     EXPECT_NEAR(plant.omega_BN_B()[0], 0.2 * (11.0059 - 10.0037) / 10,
                 1e-14);  // impulse / inertia, rounding of times of 10 s
     EXPECT_NEAR(mrp(plant.q_NB())[0], std::tan(0.25 * 0.02 * 1.0022 * (12 - 0.5 * (10.0037 + 11.0059))), 1e-11);
+  }
+}
+
+TEST(Plant, ADrivenActuatorGivesWhatItIsToldAtItsTimesAndItsFaultsActOnThat) {
+  for (const Integrator& integrator : all) {
+    PlantModel m = one_axis(integrator, 0.05);
+    m.J_B(0, 0) -= 0.05;  // less the wheel
+    m.faults = {LossOfEffectiveness{.window = {.actuator = 0, .t_on = 2.01, .t_off = 3.05}, .remaining = 0.5}};
+    RigidPlant plant(m, {}, 0.1);
+    for (int k = 0; k < 100; ++k) {
+      const double t = plant.time();
+      plant.drive(0, std::array{DriveStep{t, 1.0}, DriveStep{t + 0.03, -0.5}});
+      plant.advance(vec({9}));
+    }
+    // Of an interval 0.03 - 0.035; the fault takes half of ten intervals, its ends inside one being 0.02 and -0.01 N m s
+    const double impulse = 100 * -0.005 - 0.5 * (0.02 - 0.035 + 9 * -0.005 + 0.03 - 0.01);
+    EXPECT_NEAR(plant.h_w()[0], -impulse, 1e-13) << "rounding of times of 10 s";
+    EXPECT_NEAR(plant.omega_BN_B()[0], impulse / 9.95, 1e-14);
+    EXPECT_EQ(plant.sample().delivered[0], -0.5);
+    if (std::holds_alternative<Cvode>(integrator)) {
+      EXPECT_EQ(plant.statistics().restarts, 1u);
+    }
   }
 }
 

@@ -120,13 +120,28 @@ TEST(Sensors, AreTheSameWhoeverElseDraws) {
             later.measure(42, q_0, omega_0, no_wheels).omega_BN_B);
 }
 
-TEST(Sensors, DelayShowsOldValuesAndTheFirstUntilItHasFilled) {
+TEST(Sensors, DelayShowsOldValuesAndNothingIsMeasuredUntilItHasFilled) {
   Sensors sensors({Gyro{.delay = 2}, AttitudeSensor{.delay = 1}}, 7, 0);
   for (Tick k = 0; k < 6; ++k) {
     const double now = static_cast<double>(k);
     const Measurement<double> y = sensors.measure(k, quat_exp<double>({0.1 * now, 0, 0}), {now, 0, 0}, no_wheels);
     EXPECT_EQ(y.omega_BN_B[0], std::max(0.0, now - 2)) << k;
     EXPECT_NEAR(quat_log(y.q_NB)[0], 0.1 * std::max(0.0, now - 1), 1e-15) << k;
+    EXPECT_EQ(y.rate_valid, k >= 2) << k;
+    EXPECT_EQ(y.attitude_valid, k >= 1) << k;
+  }
+  Sensors slower({Gyro{.delay = 3, .every = 2}}, 7, 0);
+  for (Tick k = 0; k < 8; ++k)
+    EXPECT_EQ(slower.measure(k, q_0, omega_0, no_wheels).rate_valid, k >= 3 && k % 2 == 0) << k;
+  Sensors angles({AttitudeSensor{.delay = 2}}, 7, 0, /*euler=*/true);
+  for (Tick k = 0; k < 4; ++k) {
+    Measurement<double> y;
+    y.tick = k;
+    y.h_w = no_wheels;
+    (void)angles.rate(k, omega_0);
+    (void)angles.angles(k, {0, 0, 0});
+    angles.drop_out(y);
+    EXPECT_EQ(y.attitude_valid, k >= 2) << "of a plant of angles";
   }
 }
 

@@ -745,10 +745,20 @@ AnyPlant make_plant(const Assembly& a) {
   return AnyPlant(std::in_place_type<truth::RigidPlant>, a.plant, a.initial, a.setup.dt);
 }
 
-ReferencePath make_reference(const Assembly& a, const ExternalComponents& external) {
-  if (!a.reference_outside) return ReferencePath(a.reference, a.setup.dt, surroundings_of(a));
-  if (!external.reference) refuse("reference: type 'python' needs a Python object for this role");
-  return ReferencePath(external.reference(a.setup), a.setup.dt);
+Outside make_outside(const Assembly& a, const ExternalComponents& external) {
+  Outside outside = external.outside ? external.outside(a.setup) : Outside{};
+  if (a.reference_outside && !outside.reference) refuse("reference: type 'python' needs a Python object for this role");
+  for (const Drive& drive : outside.drives) {
+    if (!a.plant.actuators.thrusters.has(drive.actuator)) continue;
+    refuse("drives: actuator " + std::to_string(drive.actuator) +
+           " is a thruster, whose valve says what it gives; a column of the vehicle's D_B can be driven");
+  }
+  return outside;
+}
+
+ReferencePath make_reference(const Assembly& a, const Outside& outside) {
+  if (a.reference_outside) return ReferencePath(outside.reference, a.setup.dt);
+  return ReferencePath(a.reference, a.setup.dt, surroundings_of(a));
 }
 
 std::vector<std::pair<std::string, Estimates>> estimate_flow(const Assembly& a) {

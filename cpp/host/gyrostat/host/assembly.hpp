@@ -58,8 +58,7 @@ struct ExternalComponents {
   std::function<std::unique_ptr<DetectorBase>(const Setup<double>&)> detector;
   std::function<std::unique_ptr<ControllerBase>(const Setup<double>&)> controller;
   std::function<std::unique_ptr<AllocatorBase>(const Setup<double>&)> allocator;
-  std::function<ReferencePath::Function(const Setup<double>&)> reference;
-  std::function<Outside(const Setup<double>&)> outside;  ///< sensors, faults and disturbances
+  std::function<Outside(const Setup<double>&)> outside;  ///< what is no flight component
 };
 
 /// One line of `gyrostat check`.
@@ -104,7 +103,9 @@ Assembly assemble(const Table& scenario);
 
 /// Throws std::invalid_argument for what does not fit the model.
 AnyPlant make_plant(const Assembly& a);
-ReferencePath make_reference(const Assembly& a, const ExternalComponents& external);
+/// What takes part beside the catalogue. Throws std::invalid_argument for what does not fit the vehicle.
+Outside make_outside(const Assembly& a, const ExternalComponents& external);
+ReferencePath make_reference(const Assembly& a, const Outside& outside);
 
 /// Estimates by role: those that the observer makes and those that the others use. Nothing is known of a component from
 /// outside the catalogue: its role is left out.

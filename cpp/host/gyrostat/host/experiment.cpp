@@ -89,9 +89,8 @@ struct Objects {
   Assembly a;
   AnyPlant plant;
   truth::Sensors sensors;
-  ReferencePath reference;
   FlightParts parts;
-  Outside outside;
+  ReferencePath reference;
 
   Objects(Assembly a_in, const ExternalComponents& external, std::uint64_t number,
           const std::vector<std::string>& channels)
@@ -99,9 +98,8 @@ struct Objects {
         plant(make_plant(a)),
         sensors(a.sensors, a.run.seed, number, wants_euler(channels), a.setup.dt, a.setup.vehicle.wheels, a.plant.orbit,
                 a.run.noise_versions),
-        reference(make_reference(a, external)),
         parts(a, external),
-        outside(external.outside ? external.outside(a.setup) : Outside{}) {}
+        reference(make_reference(a, parts.outside)) {}
 
   ChannelReader reader(const std::vector<std::string>& channels) const {
     return {channels, a.counts(), parts.components, parts.views, "measure"};
@@ -212,7 +210,7 @@ class Experiment::Worker {
       std::visit(set, meters.back().metric);
     }
     Measuring<Plant> measuring(o.a, plant, o.parts, reader, meters, stop_);
-    out.end = host::fly(plant, o.sensors, o.reference, o.parts.stack, o.a.ticks, measuring, o.outside);
+    out.end = host::fly(plant, o.sensors, o.reference, o.parts.stack, o.a.ticks, measuring, o.parts.outside);
     for (std::size_t i = 0; i < meters.size(); ++i) {
       out.metrics[i] = std::visit([](const auto& metric) { return metric.value(); }, meters[i].metric);
     }

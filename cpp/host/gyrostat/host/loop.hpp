@@ -2,10 +2,14 @@
 /// @file  The closed loop: sense, step the flight stack, hold the command, integrate truth to the next sample.
 #pragma once
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "gyrostat/flight/stack.hpp"
 #include "gyrostat/host/reference.hpp"
+#include "gyrostat/host/telemetry.hpp"
 #include "gyrostat/truth/plant.hpp"
 
 namespace gyrostat::host {
@@ -26,12 +30,44 @@ struct RunEnd {
 /// What the guard did, in words: "attitude and rate not measured, controller started again".
 std::string text_of(const GuardActions& did);
 
+/// What an actuator from outside gives over the interval that begins.
+struct Drive {
+  int actuator = 0;
+  /// Puts into `steps` what it gives from t on, of a command u that arrives (N m, A m^2 of a magnetorquer), with h_w (N m s) in it.
+  std::function<void(double t, double u, double h_w, const Vec3<double>& omega_BN_B,
+                     std::vector<truth::DriveStep>& steps)>
+      deliver;
+};
+
 /// What takes part in a run from outside the catalogue, between two integrations. An empty function: nothing.
 struct Outside {
+  ReferencePath::Function reference;
   std::function<void(Measurement<double>&)> sensor;      ///< changes what the sensors show
   std::function<void(double t, VecN<double>& u)> fault;  ///< changes the command on its way to the actuators
   std::function<Vec3<double>(double t, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B)>
       torque_B;  ///< N m, held until the next sample
+  std::vector<Drive> drives;
+  std::vector<std::pair<std::string, std::shared_ptr<const Reporting>>>
+      reports;  ///< what they publish, under which name
+
+  /// Of the command that is issued: what arrives at the actuators, and what those from outside make of it.
+  template <truth::Plant Plant>
+  void act(Plant& plant, double t, VecN<double>& u) const {
+    if (fault) fault(t, u);
+    if constexpr (acts_on<Plant>) {
+      std::vector<truth::DriveStep> steps;
+      for (const Drive& d : drives) {
+        d.deliver(t, plant.arriving(d.actuator, u[d.actuator]), plant.h_w()[d.actuator], plant.omega_BN_B(), steps);
+        plant.drive(d.actuator, steps);
+      }
+      if (torque_B) plant.push(torque_B(t, plant.q_NB(), plant.omega_BN_B()));
+    }
+  }
+
+ private:
+  template <class Plant>
+  static constexpr bool acts_on =
+      requires(Plant& p, std::vector<truth::DriveStep> steps) { p.push(Vec3<double>()), p.drive(0, steps); };
 };
 
 /// Looks on without a part in the loop. `before` sees a measurement and what was issued over the interval just ended,
@@ -74,15 +110,8 @@ RunEnd fly(Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stac
         end.cause = "the stack never issued a command of its own: " + text_of(did);
         return end;
       }
-      if constexpr (requires { plant.push(Vec3<double>()); }) {
-        if (outside.torque_B) plant.push(outside.torque_B(end.time, plant.q_NB(), plant.omega_BN_B()));
-      }
-      if (!outside.fault) {
-        plant.advance(stack.last().u);
-        continue;
-      }
       VecN<double> u = stack.last().u;
-      outside.fault(end.time, u);
+      outside.act(plant, end.time, u);
       plant.advance(u);
     }
   } catch (const truth::NonFiniteState& e) {

@@ -6,7 +6,7 @@
 namespace gyrostat::host {
 
 FlightParts::FlightParts(const Assembly& a, const ExternalComponents& external)
-    : stack(make_stack(a, external)), shadows(make_shadows(a, external)) {
+    : stack(make_stack(a, external)), shadows(make_shadows(a, external)), outside(make_outside(a, external)) {
   components = {{"navigator", &stack.navigation.navigator.reporting()},
                 {"observer", &stack.estimator.observer.reporting()},
                 {"detector", &stack.estimator.detector.reporting()},
@@ -18,6 +18,7 @@ FlightParts::FlightParts(const Assembly& a, const ExternalComponents& external)
     components.push_back({role + ".detector", &shadows[i].detector.reporting()});
     views.push_back({role, &shadows[i].estimate(), &shadows[i].detection()});
   }
+  for (const auto& [role, component] : outside.reports) components.push_back({role, component.get()});
 }
 
 bool wants_euler(const std::vector<std::string>& channels) {

@@ -9,10 +9,11 @@
 
 namespace gyrostat::host {
 
-/// The flight half: the stack that closes the loop, shadows beside it, and what all of them report.
+/// The stack that closes the loop, shadows beside it, what takes part from outside, and what all of them report.
 struct FlightParts {
   Stack stack;
   std::vector<Shadow> shadows;
+  Outside outside;
   std::vector<Reported> components;
   std::vector<ShadowView> views;
 

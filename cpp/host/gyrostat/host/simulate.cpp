@@ -264,7 +264,7 @@ std::string text_of(const GuardActions& did) {
 
 std::vector<CheckRow> check(const Assembly& a, const ExternalComponents& external) {
   (void)make_plant(a);
-  (void)make_reference(a, external);
+  (void)make_reference(a, make_outside(a, external));
   return check_components(a, external);
 }
 
@@ -313,9 +313,8 @@ RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalCompo
                 const RunOptions& options) {
   truth::Sensors sensors(a.sensors, a.run.seed, a.run.run_number, wants_euler(options.channels), a.setup.dt,
                          a.setup.vehicle.wheels, a.plant.orbit, a.run.noise_versions);
-  ReferencePath reference = make_reference(a, external);
   FlightParts parts(a, external);
-  const Outside outside = external.outside ? external.outside(a.setup) : Outside{};
+  ReferencePath reference = make_reference(a, parts.outside);
   std::optional<Recorder> recorder;
   if (options.record) {
     const std::vector<std::string> names =
@@ -325,7 +324,7 @@ RunResult flown(const Assembly& a, truth::Plant auto& plant, const ExternalCompo
   }
   Watcher watcher(a, plant, parts, recorder ? &*recorder : nullptr, options);
   RunResult result;
-  result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher, outside);
+  result.end = fly(plant, sensors, reference, parts.stack, a.ticks, watcher, parts.outside);
   result.events = std::move(watcher).take_events();
   result.statistics = plant.statistics();
   if (recorder) {

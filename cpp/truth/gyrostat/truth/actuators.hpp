@@ -6,8 +6,10 @@
 /// bearing friction (which depends on wheel speed and belongs to the equations of motion, see effectors/).
 /// Sign: command, delivered torque, effectiveness and bias act ON the body along the actuator's axis.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -41,6 +43,11 @@ struct Actuators {
   std::string check() const;
 };
 
+/// From t on an actuator gives `value` (N m, A m^2 of a magnetorquer), until the next one.
+struct DriveStep {
+  double t = 0, value = 0;
+};
+
 /// Actuators with their faults and the command they hold. A `List` is a FaultList.
 template <class List>
 class FaultyActuatorsOf {
@@ -58,8 +65,16 @@ class FaultyActuatorsOf {
   /// Holds a new command. Where there are valves `at` and `until` say from when to when (no more than a period where
   /// it is for ever), and a new piece begins with it.
   void command(const VecN<double>& u, double at = 0, double until = infinity);
+  /// Instead of its command actuator i gives this to its faults, until it is told anew: in order of time, from the beginning
+  /// of the next command on. What says so knows the law of an actuator that these do not have.
+  void drive(int i, std::span<const DriveStep> steps);
+  /// What arrives at actuator i of a command of u.
+  double arriving(int i, double u) const noexcept {
+    return actuators_.limit_on == LimitOn::command ? std::clamp(u, actuators_.u_lo[i], actuators_.u_up[i]) : u;
+  }
+  /// Some actuators open and close by themselves: a command begins a new piece.
+  bool steps_between() const noexcept { return !valves_.empty() || driven_.any(); }
   bool dry() const noexcept { return dry_; }
-  bool has_valves() const noexcept { return !valves_.empty(); }
   /// The propellant is used up: thrusters give nothing from now on.
   void run_dry() noexcept {
     dry_ = true;
@@ -108,7 +123,9 @@ class FaultyActuatorsOf {
   std::vector<List> faults_;
   std::vector<double> at_onset_;  ///< N m, what the actuator of each fault delivered when it began
   std::vector<Valve> valves_;     ///< of the thrusters
-  Mask closed_;                   ///< valves that are, on the current piece
+  Mask driven_;                   ///< actuators that are told what to give,
+  std::array<std::vector<DriveStep>, max_actuators> steps_;  ///< of these
+  Mask closed_;                                              ///< valves that are, on the current piece
   bool dry_ = false;
   VecN<double> u_;  ///< held command, limited when limits act on it; what valves make of it
   VecN<double> constant_delivered_;
@@ -143,7 +160,18 @@ double FaultyActuatorsOf<List>::next_switch(double t) const noexcept {
     next = std::min(next, std::visit([&](const auto& f) { return truth::next_switch(f, t); }, fault));
   }
   for (const Valve& valve : valves_) next = std::min(next, valve.next_edge(t));
+  for (int i = 0; i < size() && driven_.any(); ++i) {
+    for (const DriveStep& step : steps_[static_cast<std::size_t>(i)]) {
+      if (step.t > t) next = std::min(next, step.t);
+    }
+  }
   return next;
+}
+
+template <class List>
+void FaultyActuatorsOf<List>::drive(int i, std::span<const DriveStep> steps) {
+  driven_.set(i);
+  steps_[static_cast<std::size_t>(i)].assign(steps.begin(), steps.end());
 }
 
 template <class List>
@@ -159,6 +187,11 @@ void FaultyActuatorsOf<List>::enter(double t, double branch) noexcept {
     const bool open = valve(i).open(branch);
     closed_.set(i, !open);
     u_[i] = open ? actuators_.u_up[i] : 0;
+  }
+  for (int i = 0; i < size() && driven_.any(); ++i) {
+    for (const DriveStep& step : steps_[static_cast<std::size_t>(i)]) {
+      if (step.t <= branch) u_[i] = step.value;
+    }
   }
   fastest_ = 0;
   all_constant_ = true;
@@ -202,6 +235,9 @@ void FaultyActuatorsOf<List>::command(const VecN<double>& u, double at, double u
     const double level = std::clamp(u[i] / actuators_.u_up[i], 0.0, 1.0);
     valves_[k].command(actuators_.thrusters, level, at, until, [&](double t) { return delays(i, t); });
     held[i] = u_[i];  // until the new piece
+  }
+  for (int i = 0; i < size() && driven_.any(); ++i) {
+    if (driven_.test(i)) held[i] = u_[i];
   }
   u_ = held;
   deliver_constants();

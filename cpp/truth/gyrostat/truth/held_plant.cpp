@@ -94,7 +94,7 @@ void HeldPlant::advance_to(const VecN<double>& u, double t_end) {
   detail::refuse_if(!(t_end >= t_), "plant: cannot go back in time");
   if (t_ >= piece_end_ - snap) enter_piece();  // before the command: a lock freezes what was delivered until now
   actuators_.command(u, t_, t_end);
-  if (actuators_.has_valves()) enter_piece();
+  if (actuators_.steps_between()) enter_piece();
   commanded_ = true;
   impulse_before_ = impulse_ + impulse_rest_;
   interval_began_ = t_;

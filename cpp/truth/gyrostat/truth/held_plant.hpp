@@ -49,6 +49,10 @@ class HeldPlant {
     external_.hold(torque_B);
     restart_ = true;
   }
+  /// Actuator i gives this over the next interval, whatever it is commanded (FaultyActuatorsOf::drive).
+  void drive(int i, std::span<const DriveStep> steps) { actuators_.drive(i, steps); }
+  /// What arrives at actuator i of a command of u.
+  double arriving(int i, double u) const noexcept { return actuators_.arriving(i, u); }
   /// Holds u to any time not before the present one, in one interval. `advance` then goes on to the next sample.
   void advance_to(const VecN<double>& u, double t_end);
 

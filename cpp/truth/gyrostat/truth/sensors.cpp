@@ -113,7 +113,8 @@ Sensors::Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::ui
   distortion_ = gyro_.misalignment;
   distortion_.diagonal() = gyro_.scale_factor;
   never_silent_ = rate_dropouts_.empty() && attitude_dropouts_.empty() && momentum_dropouts_.empty() && !has_tracker_ &&
-                  gyro_.every == 1 && gyro_.phase == 0 && gyro_.dropouts.empty() && std::isinf(gyro_.range);
+                  gyro_.every == 1 && gyro_.phase == 0 && gyro_.dropouts.empty() && std::isinf(gyro_.range) &&
+                  gyro_.delay == 0 && attitude_.delay == 0;
   momenta_ = DelayLine<VecN<double>>(tachometer_.delay);
   rates_ = DelayLine<Vec3<double>>(gyro_.delay);
   attitudes_ = DelayLine<Quat<double>>(attitude_.delay);
@@ -261,8 +262,8 @@ Vec3<double> Sensors::normals(std::uint64_t stream, Tick tick) const noexcept {
 
 Vec3<double> Sensors::rate(Tick tick, const Vec3<double>& omega) {
   const double t = static_cast<double>(tick) * dt_;
-  rate_fresh_ = scheduled(tick, gyro_.every, gyro_.phase) && !inside(gyro_.dropouts, t);
   Vec3<double> shown = rates_.through(omega);
+  rate_fresh_ = rates_.full() && scheduled(tick, gyro_.every, gyro_.phase) && !inside(gyro_.dropouts, t);
   if (!distortion_.isZero(0)) shown += (distortion_ * shown).eval();
   shown += gyro_.bias;
   if (gyro_.rate_random_walk > 0) {
@@ -332,6 +333,7 @@ void Sensors::see_sky(Measurement<double>& y, const Quat<double>& q_NB) {
 Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B) {
   if (has_tracker_) return tracked(tick, {q_NB, omega_BN_B.norm()});
   Quat<double> q = attitudes_.through(q_NB);
+  attitude_fresh_ = attitudes_.full();
   if (attitude_.noise > 0) {
     const Vec3<double> error_B = attitude_.noise * normals(attitude_stream, tick);
     q = q * small_rotation(error_B);
@@ -345,6 +347,7 @@ Quat<double> Sensors::attitude(Tick tick, const Quat<double>& q_NB, const Vec3<d
 
 Vec3<double> Sensors::angles(Tick tick, const Vec3<double>& angles) {
   Vec3<double> shown = angles_.through(angles);
+  attitude_fresh_ = angles_.full();
   if (attitude_.noise > 0) shown += attitude_.noise * normals(attitude_stream, tick);
   for (double& angle : shown) angle = quantised(angle, attitude_.quantisation);
   return shown;

@@ -239,8 +239,8 @@ class Sensors {
   Sensors(const std::vector<Sensor>& sensors, std::uint64_t seed, std::uint64_t run, bool euler = false, double dt = 0,
           Mask wheels = Mask::all(max_actuators), std::optional<Orbit> orbit = {}, std::vector<double> versions = {});
 
-  /// To be called once a sample, in order: delays count calls, and a bias that walks adds up. Until a delay has filled, the first
-  /// values are given.
+  /// To be called once a sample, in order: delays count calls, and a bias that walks adds up. Until its delay has filled a gyro or
+  /// an attitude sensor has measured nothing; tachometers show the first momentum, which was that of before the first command.
   Measurement<double> measure(Tick tick, const Quat<double>& q_NB, const Vec3<double>& omega_BN_B,
                               const VecN<double>& h_w);
 
