@@ -22,7 +22,7 @@
 #include "gyrostat/flight/observers/joint_kalman.hpp"
 #include "gyrostat/flight/observers/learning_disturbance.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness.hpp"
-#include "gyrostat/flight/observers/mixed_learning.hpp"
+#include "gyrostat/flight/observers/mixed_learning_disturbance.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
 #include "gyrostat/host/assembly.hpp"
 #include "gyrostat/host/loop.hpp"
@@ -49,18 +49,18 @@ auto static_stack(const Assembly& a) {
 }
 
 auto static_ftc(const Assembly& a) {
-  return static_stack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(a);
+  return static_stack<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(a);
 }
 auto static_li2018(const Assembly& a) {
   return static_stack<FiniteTimeDisturbanceObserver<double>, NoDetector<double>, IntegralSlidingMode<double>,
                       PseudoInverse<double>>(a);
 }
 auto static_cao2022(const Assembly& a) {
-  return static_stack<LearningEffectiveness<double>, NoDetector<double>, PredefinedTime<double>, PseudoInverse<double>>(
-      a);
+  return static_stack<LearningEffectivenessObserver<double>, NoDetector<double>, PredefinedTime<double>,
+                      PseudoInverse<double>>(a);
 }
 auto static_wang2023(const Assembly& a) {
-  return static_stack<MixedLearningObserver<double>, NoDetector<double>, MixedLearningSlidingMode<double>,
+  return static_stack<MixedLearningDisturbanceObserver<double>, NoDetector<double>, MixedLearningSlidingMode<double>,
                       PseudoInverse<double>>(a);
 }
 auto static_cao2023(const Assembly& a) {
@@ -68,10 +68,11 @@ auto static_cao2023(const Assembly& a) {
                       PseudoInverse<double>>(a);
 }
 auto static_joint(const Assembly& a) {
-  return static_stack<JointKalman<double>, NoDetector<double>, IntegralSlidingMode<double>, PseudoInverse<double>>(a);
+  return static_stack<JointKalmanObserver<double>, NoDetector<double>, IntegralSlidingMode<double>,
+                      PseudoInverse<double>>(a);
 }
 auto static_recommended(const Assembly& a) {
-  return static_stack<JointKalman<double>, EvidenceDetector<double>, IntegralSlidingMode<double>,
+  return static_stack<JointKalmanObserver<double>, EvidenceDetector<double>, IntegralSlidingMode<double>,
                       Lexicographic<double>>(a);
 }
 auto static_yang2023(const Assembly& a) {

@@ -104,7 +104,7 @@ inline Table wang2023(double duration) {
                             {"D_B", List{row({1, 0, 0}), row({0, 1, 0}), row({0, 0, 1})}}}},
           {"initial", Table{{"q_NB", row({0.515, 0.7221, 0.376, 0.2681})}, {"omega_BN_B", row({0.16, 0.12, 0.1})}}},
           {"observer",
-           Table{{"type", "mixed_learning"},
+           Table{{"type", "mixed_learning_disturbance"},
                  {"K1", List{row({0.2159, 0.0062, 0.0006}), row({0.0062, 0.2285, 0.0006}), row({6e-4, 6e-4, 0.2462})}},
                  {"K2", List{row({4.8176, -0.2319, -0.0174}), row({-0.2319, 4.3444, -0.016}),
                              row({-0.0174, -0.016, 3.8088})}},

@@ -27,6 +27,7 @@ import typer
 from gyrostat import _core, cli_campaign, cli_dataset, cli_survival, cli_verification, printing, toml
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import abandon, checked_target, made_folder, write_text
+from gyrostat.old_names import current
 from gyrostat.scenario import Scenario, shipped
 from gyrostat.text import one_line, unescaped
 
@@ -66,6 +67,8 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):  # whatever the terminal can show: no name or title is too strange to print
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    warnings.simplefilter("once", FutureWarning)  # old names
+    warnings.showwarning = printing.warning
     warnings.simplefilter("ignore", RuntimeWarning)  # of numpy: what overflows is seen in what is printed
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
@@ -673,6 +676,7 @@ def _changes(settings: Sequence[str] | None) -> dict[str, Any]:
 def _component(family: str, name: str | None) -> tuple[str, str]:
     """Family and name of what is to be described; a name alone suffices when only one family has it."""
     catalogue = _core.catalogue()
+    family, name = current(family), None if name is None else current(name)
     if name is not None:
         if family not in catalogue:
             raise InputError(f"no family '{family}'{suggestion(family, catalogue)}")

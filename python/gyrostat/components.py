@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gyrostat import _core
 from gyrostat.errors import InputError, input_errors
+from gyrostat.old_names import current
 from gyrostat.text import shown
 from gyrostat.toml import MAX_DEPTH
 
@@ -38,6 +39,9 @@ class Component:
 
     type: str
     items: tuple[tuple[str, Any], ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "type", current(self.type))
 
     @classmethod
     def of(cls, name: str, params: Mapping[str, Any]) -> Component:
@@ -140,7 +144,7 @@ def build(family: str, name: str, params: Mapping[str, Any]) -> Component:
         component = Component.of(name, params)
         plain = component.to_dict()
         del plain["type"]
-        _core.check_params(family, name, plain, f"{family} '{name}'")
+        _core.check_params(family, component.type, plain, f"{family} '{name}'")
     return component
 
 

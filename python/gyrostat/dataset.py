@@ -22,6 +22,7 @@ from gyrostat._core import catalogue
 from gyrostat.campaign import Campaign
 from gyrostat.errors import InputError, suggestion
 from gyrostat.files import file_errors, replacing_folder, write_text
+from gyrostat.old_names import current
 from gyrostat.scenario import Scenario, shipped
 from gyrostat.vehicle import all_actuators
 
@@ -282,7 +283,8 @@ def _scored(
 def _pairs(observers: Sequence[str] | None, detectors: Sequence[str] | None) -> dict[str, tuple[str, str]]:
     known = catalogue()
     chosen = {
-        "observer": observers or [name for name in known["observer"] if name != "passthrough"],
+        "observer": [current(name) for name in observers or ()]
+        or [name for name in known["observer"] if name != "passthrough"],
         "detector": detectors or [name for name in known["detector"] if name != "none"],
     }
     for family, names in chosen.items():

@@ -174,6 +174,12 @@ def complain(text: str, status: int) -> int:
     return status
 
 
+def warning(message: Warning | str, *_: object) -> None:
+    """As `warnings.showwarning`: one line on stderr, without the line of code that the user has not written."""
+    with suppress(OSError):
+        typer.echo(f"warning: {message}", err=True)
+
+
 @contextmanager
 def progress(label: str, patience: float = 1.0) -> Iterator[Callable[[float], None]]:
     """A bar on stderr, if that is a terminal, that appears when the work takes longer than `patience` seconds."""

@@ -13,7 +13,7 @@
 namespace consumer {
 
 template <class S>
-using FourWheels = gyrostat::FlightStack<gyrostat::Passthrough<S>, gyrostat::NoDetector<S>, QuaternionLaw<S>,
+using FourWheels = gyrostat::FlightStack<gyrostat::PassthroughObserver<S>, gyrostat::NoDetector<S>, QuaternionLaw<S>,
                                          gyrostat::PseudoInverse<S>>;
 
 template <class S>

@@ -58,7 +58,7 @@ def mixed_learning(b: float, damping: float) -> tuple[dict[str, Any], Loop]:
         predicted += DT / J * (u + learnt + K1 * error)
         return np.array([*body(angle, rate, u, m), predicted, keep * learnt + past * K2 * error])
 
-    plain = {"type": "mixed_learning", "K1": (K1 * np.eye(3)).tolist(), "K2": (K2 * np.eye(3)).tolist()}
+    plain = {"type": "mixed_learning_disturbance", "K1": (K1 * np.eye(3)).tolist(), "K2": (K2 * np.eye(3)).tolist()}
     return plain | {"sigma1": past, "sigma2": now, "theta2": keep}, transition(step, 4)
 
 
@@ -197,9 +197,9 @@ def degraded(observer: Any) -> gs.Scenario:
 
 
 def test_check_fails_where_the_faults_leave_a_loop_that_swings() -> None:
-    inertia = flight_inertia(degraded("mixed_learning"))
+    inertia = flight_inertia(degraded("mixed_learning_disturbance"))
     gains = {"K1": (0.3 * inertia).tolist(), "K2": (0.3**2 * 0.1 * inertia).tolist(), "sigma1": 0.1, "theta2": 0.999}
-    swinging = degraded(gs.observer("mixed_learning", **gains))
+    swinging = degraded(gs.observer("mixed_learning_disturbance", **gains))
     assert swinging.run(channels=["error.angle"])["error.angle"][-100:].max() > np.deg2rad(2.0)
     (verdict,) = [f for f in sampled_loop.findings(swinging) if f.name == "faults"]
     assert verdict.ok is False
@@ -211,7 +211,7 @@ def test_check_fails_where_the_faults_leave_a_loop_that_swings() -> None:
 
 
 def test_the_defaults_fly_that_fault() -> None:
-    for observer in ("finite_time_disturbance", "learning_disturbance", "mixed_learning"):
+    for observer in ("finite_time_disturbance", "learning_disturbance", "mixed_learning_disturbance"):
         scenario = degraded(observer)
         assert all(f.ok is not False for f in sampled_loop.findings(scenario)), observer
         assert scenario.run(channels=["error.angle"])["error.angle"][-100:].max() < np.deg2rad(1e-3), observer
@@ -258,7 +258,7 @@ def test_default_loops_bear_weakened_and_strengthened_actuators(
 
 def test_only_loops_with_an_estimate_are_looked_at(scenario: gs.Scenario) -> None:
     assert sampled_loop.findings(scenario) == []
-    assert sampled_loop.findings(scenario.replace(observer="mixed_learning", controller="open_loop")) == []
+    assert sampled_loop.findings(scenario.replace(observer="mixed_learning_disturbance", controller="open_loop")) == []
 
 
 def test_check_prints_the_limits() -> None:

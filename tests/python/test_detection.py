@@ -73,7 +73,7 @@ def four_wheels(seed: int, persistence: float = 0.2) -> gs.Scenario:
 
 BENCHES = {"three actuators": three_actuators, "four wheels": four_wheels}
 SEEDS = (1, 2, 3)
-PATIENT = ("mixed_learning", 1.5)
+PATIENT = ("mixed_learning_disturbance", 1.5)
 """An observer that settles in a second wants a detector that waits for longer than that."""
 
 
@@ -160,7 +160,7 @@ def test_a_lumped_torque_is_heard_by_mapping_it_onto_the_actuators() -> None:
 
 def test_a_detector_must_wait_for_longer_than_the_observer_settles() -> None:
     # A torque estimate turns round a second after the command does; until then it points at a fault that is not there.
-    hasty = measured()["three actuators", "mixed_learning", 0.2]
+    hasty = measured()["three actuators", "mixed_learning_disturbance", 0.2]
     patient = measured()["three actuators", *PATIENT]
     assert min(len(r.false_alarms) for r in hasty) > 5
     for report in patient:
@@ -229,7 +229,7 @@ def finding(scenario: gs.Scenario, name: str) -> Finding | None:
 
 
 @pytest.mark.parametrize(
-    "observer", ["iterative_learning", "adaptive_sliding_mode", "learning_effectiveness", "finite_time_disturbance"]
+    "observer", ["iterative_learning", "adaptive_sliding_mode_effectiveness", "learning_effectiveness", "finite_time_disturbance"]
 )
 def test_check_says_what_four_wheels_cannot_show(observer: str) -> None:
     wheels = gs.Scenario.load("ftc_4rw").replace(observer=observer, detector="threshold")

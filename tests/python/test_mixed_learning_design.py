@@ -346,7 +346,7 @@ def test_check_prints_every_margin_and_flags_the_published_gains() -> None:
     assert controller == {"m33": True, "r34": True, "m35": True, "m36": True, "schur": True}
     compliant = papers.load("wang2023").cases["mlo_compliant"].scenario
     assert all(f.ok is not False for look in CHECKS for f in look(compliant))
-    default = gs.Scenario.load("ftc_4rw").replace(observer="mixed_learning", controller="mixed_learning_sliding_mode")
+    default = gs.Scenario.load("ftc_4rw").replace(observer="mixed_learning_disturbance", controller="mixed_learning_sliding_mode")
     assert all(f.ok is not False for look in CHECKS for f in look(default))
     assert not [f for f in CHECKS[0](gs.Scenario.load("ftc_4rw")) if "mixed" in f.where]
 
@@ -370,7 +370,7 @@ def test_the_command_line_designs() -> None:
     code, text, _ = command("design", "mixed_learning", "ftc_4rw", "--set", "settling_time=5", "--json")
     found = json.loads(text)
     assert (code, found["ok"]) == (0, True)
-    assert found["components"]["observer"]["type"] == "mixed_learning"
+    assert found["components"]["observer"]["type"] == "mixed_learning_disturbance"
     code, text, _ = command("design", "mixed_learning_six_steps", "--set", f"J_B={J.tolist()}", "--set", "sigma1=0.1")
     assert code == 1
     assert "fails: (14)" in text

@@ -11,7 +11,7 @@ class Finding:
     """One line of ``gyrostat check``."""
 
     where: str
-    """What was looked at, e.g. ``observer mixed_learning``."""
+    """What was looked at, e.g. ``observer mixed_learning_disturbance``."""
     name: str
     """Short name of the condition or number, e.g. ``m14``."""
     text: str

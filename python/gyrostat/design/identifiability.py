@@ -21,7 +21,7 @@ _gates = {
     "iterative_learning": "u_gate",
     "learning_effectiveness": "u_exc",
     "learning_effectiveness_printed": "u_exc",
-    "adaptive_sliding_mode": None,
+    "adaptive_sliding_mode_effectiveness": None,
 }
 """Observers of effectiveness, with the parameter below which they do not listen."""
 

@@ -131,7 +131,7 @@ def _without_rounding(gain: Array) -> Rows:
 def observer_table(loop: LearningLoop) -> dict[str, Any]:
     """Parameters of the observer, as a scenario writes them."""
     return {
-        "type": "mixed_learning",
+        "type": "mixed_learning_disturbance",
         "K1": _without_rounding(loop.K_lin),
         "K2": _without_rounding(loop.K),
         "sigma1": loop.before,
@@ -207,7 +207,7 @@ def six_steps(options: SixSteps) -> DesignReport:
 
 
 def _report(observer: LearningDesign, controller: LearningDesign, delta: float, fault: float) -> DesignReport:
-    one, other = "observer mixed_learning", "controller mixed_learning_sliding_mode"
+    one, other = "observer mixed_learning_disturbance", "controller mixed_learning_sliding_mode"
     findings = [*_conditions(one, observer.margins), _stability(one, observer.loop)]
     findings += [_steady(one, observer.loop, fault)]
     findings += [*_conditions(other, controller.margins), _stability(other, controller.loop)]
@@ -257,7 +257,7 @@ def design_for(options: Wanted) -> DesignReport:
     the learning is slower. The trial run is the sampled loop itself, with the fault on every axis and the disturbance
     in every combination of signs; it has to settle in 95 % of the wanted time.
     """
-    where = "observer mixed_learning"
+    where = "observer mixed_learning_disturbance"
     J, dt = checked_inertia(np.asarray(options.J_B)), options.dt
     fault = usual_fault(J) if options.fault is None else options.fault
     wanted = 300.0 * dt if options.settling_time is None else options.settling_time
@@ -307,8 +307,8 @@ def findings(scenario: Scenario) -> list[Finding]:
     J = flight_inertia(scenario)
     rows: list[Finding] = []
     observer, controller = tables.get("observer", {}), tables.get("controller", {})
-    if observer.get("type") == "mixed_learning":
-        where = "observer mixed_learning"
+    if observer.get("type") == "mixed_learning_disturbance":
+        where = "observer mixed_learning_disturbance"
         loop = LearningLoop(
             J, scenario.dt, as_matrix(observer["K1"]), as_matrix(observer["K2"]), observer["sigma2"],
             observer["sigma1"], observer["theta2"], observer["delay"], observer["theta1"], observer["width"],

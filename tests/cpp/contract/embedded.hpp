@@ -91,7 +91,7 @@ TYPED_TEST(Embedded, NavigatorsAllocateNothingAndBearWhatComes) {
   const gyrostat::Setup<S> setup = ftc_4rw<S>();
   const S nan = std::numeric_limits<S>::quiet_NaN();
   int stacks = 0;
-  for_every_component<S, Components<Passthrough>, Components<NoDetector>, Components<MrpFeedback>,
+  for_every_component<S, Components<PassthroughObserver>, Components<NoDetector>, Components<MrpFeedback>,
                       Components<PseudoInverse>, Navigators>(setup, [&](auto stack) {
     static_assert(decltype(stack)::cannot_throw);
     const long before = allocations, failed = eigen_failures;
@@ -119,7 +119,7 @@ TYPED_TEST(Embedded, NavigatorsAllocateNothingAndBearWhatComes) {
 /// The attitude filter on sun and field alone: started, blinded, deceived, started again.
 TYPED_TEST(Embedded, DirectionsAllocateNothingAndBearWhatComes) {
   using S = TypeParam;
-  using Stack = FlightStack<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>, Mekf<S>>;
+  using Stack = FlightStack<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>, Mekf<S>>;
   const gyrostat::Setup<S> setup = ftc_4rw<S>();
   const S nan = std::numeric_limits<S>::quiet_NaN();
   for (const auto how : {Mekf<S>::Acquisition::quest, Mekf<S>::Acquisition::triad}) {

@@ -83,7 +83,7 @@ TEST(Axes, StacksPointWithAxesThatMove) {
     return worst;
   };
   using Laws = Components<IntegralSlidingMode, PredefinedTime>;
-  using Observing = Components<FiniteTimeDisturbanceObserver, LearningEffectiveness>;
+  using Observing = Components<FiniteTimeDisturbanceObserver, LearningEffectivenessObserver>;
   for_every_component<double, Observing, Components<NoDetector>, Laws, Allocators>(setup, [&]<class Stack>(Stack) {
     const Turning turning{1e-3};
     auto seeing = by_default<Pointing<Stack, Turning>>(setup);

@@ -79,10 +79,10 @@ TYPED_TEST(Guard, WhatIsNotFiniteIsWhatWasNotMeasured) {
 /// Every input, spoilt in every way that is one: flagged, and what it touches is replaced, nothing else.
 TYPED_TEST(Guard, EveryInputIsJudgedForItself) {
   using S = TypeParam;
-  using Stack = FlightStack<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>;
+  using Stack = FlightStack<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>;
   const Measurement<S> good = wobble<S>(1, 4);
   const auto did = [](const Measurement<S>& y, const Reference<S>& ref) {
-    Stack stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
+    Stack stack = stack_of<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
     stack.step(wobble<S>(0, 4), {});
     const Flags status = stack.step(y, ref).status;
     const GuardActions& a = stack.actions();
@@ -142,7 +142,7 @@ TYPED_TEST(Guard, EulerAnglesAreJudgedWhereTheyAreTheState) {
   using S = TypeParam;
   auto setup = ftc_4rw<S>();
   setup.vehicle.coordinates = Coordinates::euler_angles;
-  auto stack = stack_of<Passthrough<S>, NoDetector<S>, OpenLoop<S>, PseudoInverse<S>>(setup);
+  auto stack = stack_of<PassthroughObserver<S>, NoDetector<S>, OpenLoop<S>, PseudoInverse<S>>(setup);
   const auto sample = [](Tick k) {
     Measurement<S> y = wobble<S>(k, 4);
     y.euler.angles = euler(y.q_NB);
@@ -164,7 +164,7 @@ TYPED_TEST(Guard, EulerAnglesAreJudgedWhereTheyAreTheState) {
 
 TYPED_TEST(Guard, ASampleThatWasNotRenewedIsNotMeasured) {
   using S = TypeParam;
-  auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
+  auto stack = stack_of<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
   for (Tick k = 1; k < 4; ++k) EXPECT_FALSE(stack.step(wobble<S>(k, 4), {}).status.has(Flag::input_held));
   EXPECT_TRUE(stack.step(wobble<S>(3, 4), {}).status.has(Flag::input_held));
   EXPECT_FALSE(stack.measurement().attitude_valid || stack.measurement().rate_valid);
@@ -179,7 +179,7 @@ TYPED_TEST(Guard, ASampleThatWasNotRenewedIsNotMeasured) {
 TYPED_TEST(Guard, AnInvalidAttitudeIsCarriedOnByTheMeasuredRate) {
   using S = TypeParam;
   const auto setup = ftc_4rw<S>();
-  auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
+  auto stack = stack_of<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
   Body body(setup.vehicle);
   body.omega_BN_B = {0.1, -0.2, 0.15};
   for (int k = 0; k < 300; ++k) {
@@ -225,12 +225,12 @@ TYPED_TEST(Guard, AnInvalidRateIsCarriedOnByTheModel) {
 
 /// Knows that wheel 1 gives half; of the torque that is left, more than any actuator has.
 template <class S>
-struct Knowing : Passthrough<S> {
-  using Passthrough<S>::Passthrough;
+struct Knowing : PassthroughObserver<S> {
+  using PassthroughObserver<S>::PassthroughObserver;
   S d_B = S(0);
-  Estimate<S> start(const Measurement<S>& y) noexcept { return known(Passthrough<S>::start(y)); }
+  Estimate<S> start(const Measurement<S>& y) noexcept { return known(PassthroughObserver<S>::start(y)); }
   Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    return known(Passthrough<S>::step(y, last));
+    return known(PassthroughObserver<S>::step(y, last));
   }
   Estimate<S> known(Estimate<S> x) const noexcept {
     x.effectiveness[1] = S(0.5);
@@ -278,13 +278,13 @@ TYPED_TEST(Guard, UnmeasuredWheelsAreCarriedOnByTheirCommands) {
 
 TYPED_TEST(Guard, WheelsThatWereNeverMeasuredStandStill) {
   using S = TypeParam;
-  auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
+  auto stack = stack_of<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
   Measurement<S> y = wobble<S>(0, 4);
   y.h_w.resize(0);  // as a default-constructed measurement has it
   EXPECT_TRUE(stack.step(y, {}).status.has(Flag::input_held));
   EXPECT_FALSE(stack.last().status.has(Flag::rank_lost));
   EXPECT_EQ(stack.measurement().h_w, VecN<S>::Zero(4));
-  auto measured = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
+  auto measured = stack_of<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(ftc_4rw<S>());
   EXPECT_EQ(stack.last().u, measured.step(wobble<S>(0, 4), {}).u);
 }
 
@@ -355,7 +355,7 @@ TYPED_TEST(Guard, ObserversDoNotLearnFromWhatWasNotMeasured) {
       if (k == 299 || k == 399) known.learned(stack, acted);
       if (k == 341 || k == 405) known.expect_only_the_command_moved_it();
       // joint_kalman predicts across the gap: what comes back is compared with that, and teaches.
-      constexpr bool predicts = std::same_as<decltype(stack.estimator.observer), JointKalman<S>>;
+      constexpr bool predicts = std::same_as<decltype(stack.estimator.observer), JointKalmanObserver<S>>;
       if (blind || (!predicts && (k == 340 || k == 404))) {
         known.stays(stack, acted);
         EXPECT_FALSE(stack.last().status.has(Flag::component_reset)) << k;
@@ -395,12 +395,12 @@ TYPED_TEST(Guard, AnAttitudeThatIsNotMeasuredKeepsNobodyFromLearning) {
 
 /// An observer without `skip` is stepped with what was carried on, and can see that it was.
 TEST(GuardSkips, AnObserverWithoutSkipSeesTheBits) {
-  struct Counting : Passthrough<double> {
-    using Passthrough::Passthrough;
+  struct Counting : PassthroughObserver<double> {
+    using PassthroughObserver::PassthroughObserver;
     int unmeasured = 0;
     Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
       unmeasured += !y.rate_valid;
-      return Passthrough::step(y, last);
+      return PassthroughObserver::step(y, last);
     }
   };
   auto stack = stack_of<Counting, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(ftc_4rw<double>());
@@ -515,7 +515,7 @@ TYPED_TEST(Guard, ASpikeIsGarbageAndALevelThatStaysIsWhereTheVehicleIs) {
   using S = TypeParam;
   const auto setup = ftc_4rw<S>();
   for (const int field : {0, 1, 2}) {
-    auto stack = stack_of<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
+    auto stack = stack_of<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
     const auto sample = [&](Tick k, bool elsewhere) {
       Measurement<S> y = wobble<S>(k, 4);
       if (elsewhere && field == 0) y.omega_BN_B[1] += S(2);
@@ -565,16 +565,16 @@ TYPED_TEST(Guard, AJumpTeachesNothing) {
 
 TEST(GuardJumps, ASensorThatGoesOnJumpingIsFlownAsItIsAndTeachesNothing) {
   const auto setup = ftc_4rw<double>();
-  struct Taught : Passthrough<double> {
-    using Passthrough::Passthrough;
+  struct Taught : PassthroughObserver<double> {
+    using PassthroughObserver::PassthroughObserver;
     int steps = 0, skips = 0;
     Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
       ++steps;
-      return Passthrough::step(y, last);
+      return PassthroughObserver::step(y, last);
     }
     Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) noexcept {
       ++skips;
-      return Passthrough::step(y, last);
+      return PassthroughObserver::step(y, last);
     }
   };
   auto stack = stack_of<Taught, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(setup);
@@ -606,7 +606,7 @@ TEST(GuardJumps, WhatCommandAndRateExplainIsNone) {
       return out;
     }
   };
-  auto stack = stack_of<Passthrough<double>, NoDetector<double>, Thrown, PseudoInverse<double>>(setup);
+  auto stack = stack_of<PassthroughObserver<double>, NoDetector<double>, Thrown, PseudoInverse<double>>(setup);
   Body body(setup.vehicle);
   for (int k = 0; k < 200; ++k) {  // then it tumbles at 15 rad/s
     stack.step(body.measured<double>(static_cast<Tick>(k)), {});
@@ -655,15 +655,15 @@ TYPED_TEST(Guard, ResetIsAsConstructed) {
 
 constexpr Tick trouble = 10;
 
-struct BadObserver : Passthrough<double> {
-  using Passthrough::Passthrough;
+struct BadObserver : PassthroughObserver<double> {
+  using PassthroughObserver::PassthroughObserver;
   int starts = 0;
   Estimate<double> start(const Measurement<double>& y) noexcept {
     ++starts;
-    return Passthrough::start(y);
+    return PassthroughObserver::start(y);
   }
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-    Estimate<double> x = Passthrough::step(y, last);
+    Estimate<double> x = PassthroughObserver::step(y, last);
     if (y.tick == trouble) x.d_B[0] = nan_of<double>();
     return x;
   }
@@ -741,7 +741,7 @@ TEST(GuardRestarts, AnObserverWhoseTorqueNothingCouldMake) {
   struct Carried : BadObserver {  // finite, and there to stay
     using BadObserver::BadObserver;
     Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-      Estimate<double> x = Passthrough::step(y, last);
+      Estimate<double> x = PassthroughObserver::step(y, last);
       const double all = std::max(4 * 0.2, 0.04 * largest_inertia(satellite_inertia<double>()));
       if (y.tick == trouble) x.d_B[2] = -1001 * all;
       if (y.tick == trouble - 1) x.d_B[1] = 999 * all;  // absurd, but believed
@@ -757,22 +757,23 @@ TEST(GuardRestarts, NoObserverOfAVehicleWithAnIdleColumnAndNoLimits) {
   setup.vehicle.D_B.col(3).setZero();
   setup.vehicle.u_up.setConstant(std::numeric_limits<double>::infinity());
   setup.vehicle.u_lo = -setup.vehicle.u_up;
-  auto stack = stack_of<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(setup);
+  auto stack =
+      stack_of<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(setup);
   for (Tick k = 0; k < 10; ++k) {
     stack.step(wobble<double>(k, 4), {});
     EXPECT_FALSE(stack.last().status.has(Flag::component_reset)) << k;
   }
 }
 TEST(GuardRestarts, ADetector) {
-  expect_restart<Passthrough<double>, BadDetector, MrpFeedback<double>, PseudoInverse<double>>(
+  expect_restart<PassthroughObserver<double>, BadDetector, MrpFeedback<double>, PseudoInverse<double>>(
       [](const auto& stack) { return stack.estimator.detector.starts; });
 }
 TEST(GuardRestarts, AController) {
-  expect_restart<Passthrough<double>, NoDetector<double>, BadController, PseudoInverse<double>>(
+  expect_restart<PassthroughObserver<double>, NoDetector<double>, BadController, PseudoInverse<double>>(
       [](const auto& stack) { return stack.controller.starts; });
 }
 TEST(GuardRestarts, AnAllocator) {
-  expect_restart<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, BadAllocator>(
+  expect_restart<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, BadAllocator>(
       [](const auto& stack) { return stack.allocator.starts; });
 }
 
@@ -781,7 +782,7 @@ template <int n>
 struct WrongEstimate : BadObserver {
   using BadObserver::BadObserver;
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-    Estimate<double> x = Passthrough::step(y, last);
+    Estimate<double> x = PassthroughObserver::step(y, last);
     if (y.tick == trouble && n == 0) x.h_w.resize(0);
     if (y.tick == trouble && n == 1) x.effectiveness.setOnes(3);
     if (y.tick == trouble && n == 2) x.effectiveness_bound.setOnes(16);
@@ -810,7 +811,7 @@ TEST(GuardRestarts, ADetectorWithAProbeOfTheWrongSize) {
       return det;
     }
   };
-  expect_restart<Passthrough<double>, Wrong, MrpFeedback<double>, PseudoInverse<double>>(
+  expect_restart<PassthroughObserver<double>, Wrong, MrpFeedback<double>, PseudoInverse<double>>(
       [](const auto& stack) { return stack.estimator.detector.starts; });
 }
 TEST(GuardRestarts, AControllerWithAPreferenceOfTheWrongSizeOrADemandBeyondSense) {
@@ -833,8 +834,8 @@ TEST(GuardRestarts, AControllerWithAPreferenceOfTheWrongSizeOrADemandBeyondSense
     }
   };
   const auto starts = [](const auto& stack) { return stack.controller.starts; };
-  expect_restart<Passthrough<double>, NoDetector<double>, Wrong, PseudoInverse<double>>(starts);
-  expect_restart<Passthrough<double>, NoDetector<double>, Huge, PseudoInverse<double>>(starts);
+  expect_restart<PassthroughObserver<double>, NoDetector<double>, Wrong, PseudoInverse<double>>(starts);
+  expect_restart<PassthroughObserver<double>, NoDetector<double>, Huge, PseudoInverse<double>>(starts);
 }
 TEST(GuardRestarts, AnAllocatorWithACommandOfTheWrongSize) {
   struct Wrong : BadAllocator {
@@ -846,7 +847,7 @@ TEST(GuardRestarts, AnAllocatorWithACommandOfTheWrongSize) {
       return out;
     }
   };
-  expect_restart<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, Wrong>(
+  expect_restart<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, Wrong>(
       [](const auto& stack) { return stack.allocator.starts; });
 }
 
@@ -875,7 +876,9 @@ TEST(GuardHolds, ACommandOnlyWhenItIsSane) {
       }
     };
     for (const bool sane : {true, false}) {
-      auto stack = stack_of<AdaptiveSlidingMode<double>, NoDetector<double>, MrpFeedback<double>, Far>(setup);
+      auto stack =
+          stack_of<AdaptiveSlidingModeEffectivenessObserver<double>, NoDetector<double>, MrpFeedback<double>, Far>(
+              setup);
       stack.allocator.wish = -(sane ? 0.5 : 2) * most;
       VecN<double> issued;
       for (Tick k = trouble; k < trouble + 3; ++k) {
@@ -897,7 +900,7 @@ TEST(GuardHolds, ACommandOnlyWhenItIsSane) {
 TEST(GuardClips, ACommandOutsideItsBoxAndItsRate) {
   auto setup = ftc_4rw<double>();
   setup.vehicle.u_rate.setConstant(2.0);  // 0.02 N m a sample
-  auto stack = stack_of<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, BadAllocator>(setup);
+  auto stack = stack_of<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, BadAllocator>(setup);
   VecN<double> before = VecN<double>::Zero(4);
   for (Tick k = 0; k < 60; ++k) {
     stack.step(wobble<double>(k, 4), {});
@@ -934,9 +937,9 @@ struct FlaggingController : MrpFeedback<double> {
 
 template <Flag flag, class C, class A>
 void expect_passed_on() {
-  auto stack = stack_of<Passthrough<double>, NoDetector<double>, C, A>(ftc_4rw<double>());
-  auto plain =
-      stack_of<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(ftc_4rw<double>());
+  auto stack = stack_of<PassthroughObserver<double>, NoDetector<double>, C, A>(ftc_4rw<double>());
+  auto plain = stack_of<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(
+      ftc_4rw<double>());
   for (Tick k = 0; k < 2 * trouble; ++k) {
     const Allocation<double>& out = stack.step(wobble<double>(k, 4), {});
     EXPECT_EQ(out.status.has(flag), k == trouble) << k;
@@ -964,7 +967,8 @@ TEST(GuardProbe, IsAddedToThePreference) {
       return det;
     }
   };
-  auto stack = stack_of<Passthrough<double>, Probing, MrpFeedback<double>, PseudoInverse<double>>(ftc_4rw<double>());
+  auto stack =
+      stack_of<PassthroughObserver<double>, Probing, MrpFeedback<double>, PseudoInverse<double>>(ftc_4rw<double>());
   for (Tick k = 0; k < 3; ++k) stack.step(wobble<double>(k, 4), {});
   EXPECT_EQ(stack.demand().u_pref, VecN<double>::Constant(4, 0.01));
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-template <class N, class O = Passthrough<double>>
+template <class N, class O = PassthroughObserver<double>>
 using With = FlightStack<O, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>, N>;
 
 /// What every navigator of a test has.
@@ -84,8 +84,9 @@ struct Learning : TestNavigator {
   static inline bool says_so = true;
 };
 
-static_assert(sizeof(With<NoNavigator<double>>) ==
-              sizeof(FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>));
+static_assert(
+    sizeof(With<NoNavigator<double>>) ==
+    sizeof(FlightStack<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>));
 
 TEST(Navigation, NoneIsEveryStackAsItWasToTheLastBit) {
   const gyrostat::Setup<double> setup = ftc_4rw<double>();

@@ -13,7 +13,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Tick trouble = 10;
 
-template <class O = Passthrough<double>, class D = NoDetector<double>, class C = MrpFeedback<double>,
+template <class O = PassthroughObserver<double>, class D = NoDetector<double>, class C = MrpFeedback<double>,
           class A = PseudoInverse<double>>
 FlightStack<O, D, C, A> flown(const gyrostat::Setup<double>& setup = ftc_4rw<double>()) {
   return stack_of<O, D, C, A>(setup);
@@ -150,11 +150,11 @@ struct LostController : MrpFeedback<double> {
   }
 };
 
-struct LostObserver : Passthrough<double> {
-  using Passthrough::Passthrough;
-  Estimate<double> start(const Measurement<double>& y) noexcept { return broken(Passthrough::start(y)); }
+struct LostObserver : PassthroughObserver<double> {
+  using PassthroughObserver::PassthroughObserver;
+  Estimate<double> start(const Measurement<double>& y) noexcept { return broken(PassthroughObserver::start(y)); }
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-    return broken(Passthrough::step(y, last));
+    return broken(PassthroughObserver::step(y, last));
   }
   static Estimate<double> broken(Estimate<double> x) noexcept {
     if (x.tick >= trouble) x.effectiveness[2] = nan;
@@ -191,7 +191,7 @@ void expect_held_from_trouble_on(Stack& stack) {
 }
 
 TEST(StackFailsTwice, AControllerLeavesNoDemand) {
-  auto stack = flown<Passthrough<double>, NoDetector<double>, LostController>();
+  auto stack = flown<PassthroughObserver<double>, NoDetector<double>, LostController>();
   expect_held_from_trouble_on(stack);
   EXPECT_EQ(stack.demand().tau_B, Vec3<double>(Vec3<double>::Zero()));
   EXPECT_EQ(stack.last().demand_B, Vec3<double>(Vec3<double>::Zero()));
@@ -206,7 +206,7 @@ TEST(StackFailsTwice, AnObserverLeavesTheMeasuredStateAndHealthyActuators) {
 }
 
 TEST(StackFailsTwice, ADetectorLeavesNothingDetected) {
-  auto stack = flown<Passthrough<double>, LostDetector>();
+  auto stack = flown<PassthroughObserver<double>, LostDetector>();
   expect_held_from_trouble_on(stack);
   EXPECT_FALSE(stack.detection().failed.any());
   EXPECT_EQ(stack.detection().enabled, Mask::all(4));
@@ -219,7 +219,7 @@ TEST(StackFailsAtStart, AnObserverAndADetectorLeaveTheMeasuredState) {
   EXPECT_EQ(observer.estimate().effectiveness, VecN<double>::Ones(4));
   EXPECT_TRUE(observer.last().status.has(Flag::component_reset));
   EXPECT_EQ(observer.last().u, VecN<double>::Zero(4)) << "held: there was no command yet";
-  auto detector = flown<Passthrough<double>, LostDetector>();
+  auto detector = flown<PassthroughObserver<double>, LostDetector>();
   detector.step(wobble<double>(trouble, 4), {});
   EXPECT_FALSE(detector.detection().failed.any());
   EXPECT_TRUE(detector.last().u.allFinite());
@@ -229,11 +229,11 @@ TEST(StackFailsAtStart, AnObserverAndADetectorLeaveTheMeasuredState) {
 // ---- what is told of a command that was held or clipped ----------------------------------------------------------
 
 /// Knows that wheel 1 gives half, and flags what it is asked to.
-struct KnowingObserver : Passthrough<double> {
-  using Passthrough::Passthrough;
-  Estimate<double> start(const Measurement<double>& y) noexcept { return known(Passthrough::start(y)); }
+struct KnowingObserver : PassthroughObserver<double> {
+  using PassthroughObserver::PassthroughObserver;
+  Estimate<double> start(const Measurement<double>& y) noexcept { return known(PassthroughObserver::start(y)); }
   Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-    return known(Passthrough::step(y, last));
+    return known(PassthroughObserver::step(y, last));
   }
   static Estimate<double> known(Estimate<double> x) noexcept {
     x.effectiveness[1] = 0.5;

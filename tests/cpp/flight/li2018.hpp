@@ -66,7 +66,7 @@ typename PseudoInverse<S>::Params allocator() {
 template <class S>
 using Stack = FlightStack<FiniteTimeDisturbanceObserver<S>, NoDetector<S>, IntegralSlidingMode<S>, PseudoInverse<S>>;
 template <class S>
-using PdStack = FlightStack<Passthrough<S>, NoDetector<S>, SaturatedPd<S>, PseudoInverse<S>>;
+using PdStack = FlightStack<PassthroughObserver<S>, NoDetector<S>, SaturatedPd<S>, PseudoInverse<S>>;
 
 template <class S>
 Stack<S> stack(const Setup<S>& s) {

@@ -91,8 +91,9 @@ TEST(EffectivenessFloor, OfAnObserverMustNotBeBelowTheAllocators) {
   EXPECT_FALSE(ok());
   a.use_effectiveness = false;
   EXPECT_TRUE(ok());
-  EXPECT_TRUE(
-      actuators_can_recover(effectiveness_floor_of<Passthrough<float>>(Passthrough<float>::Params(setup)), 1.0f).ok());
+  EXPECT_TRUE(actuators_can_recover(
+                  effectiveness_floor_of<PassthroughObserver<float>>(PassthroughObserver<float>::Params(setup)), 1.0f)
+                  .ok());
 }
 
 struct Craft {
@@ -165,11 +166,11 @@ TEST_P(VehicleDefaults, ObserverAndSlidingModePointThroughAFault) {
 }
 
 TEST_P(VehicleDefaults, SlidingModeAlonePointsThroughAFault) {
-  EXPECT_LT((final_error_deg<Passthrough<double>, IntegralSlidingMode<double>>(GetParam())), 1);
+  EXPECT_LT((final_error_deg<PassthroughObserver<double>, IntegralSlidingMode<double>>(GetParam())), 1);
 }
 
 TEST_P(VehicleDefaults, ProportionalLawsPointThroughAFaultWithTheirOffset) {
-  using O = Passthrough<double>;
+  using O = PassthroughObserver<double>;
   EXPECT_LT((final_error_deg<O, MrpFeedback<double>>(GetParam())), 1);
   EXPECT_LT((final_error_deg<O, SaturatedPd<double>>(GetParam())), 1);
   EXPECT_LT((final_error_deg<O, FiniteTime<double>>(GetParam())), 1);

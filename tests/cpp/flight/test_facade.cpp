@@ -17,7 +17,7 @@
 namespace gyrostat::test {
 namespace {
 
-using Stack = FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>;
+using Stack = FlightStack<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>;
 using Memory = CallerMemory<Stack>;
 
 Stack some_stack() { return by_default<Stack>(ftc_4rw<double>()); }

@@ -117,14 +117,15 @@ Allocation<S> issued(const VecN<double>& u) {
 
 /// Compiled once: the filter is much code for every test of its own.
 template <class S>
-[[gnu::noinline]] Estimate<S> advance(JointKalman<S>& observer, const Measurement<S>& y, const Allocation<S>& last) {
+[[gnu::noinline]] Estimate<S> advance(JointKalmanObserver<S>& observer, const Measurement<S>& y,
+                                      const Allocation<S>& last) {
   return observer.skip(y, last);
 }
 
 /// The filter by the book: dense F, one update with a 3 + n_w square inverse, and an opening that adds its variance before
 /// the interval and propagates again.
 struct DenseFilter {
-  using Params = JointKalman<double>::Params;
+  using Params = JointKalmanObserver<double>::Params;
   const Setup<double>& setup;
   Params p;
   std::vector<int> wheels;
@@ -286,10 +287,10 @@ struct DenseFilter {
 /// Its momenta are shown `delay` samples late.
 void expect_the_dense_filter(int delay) {
   const auto setup = mixed();
-  JointKalman<double>::Params p(setup);
+  JointKalmanObserver<double>::Params p(setup);
   p.momentum_delay = delay;
   p.momentum_timing = delay > 0 ? 0.3 : p.momentum_timing;
-  JointKalman<double> observer(unchecked, setup, p);
+  JointKalmanObserver<double> observer(unchecked, setup, p);
   DenseFilter oracle(setup, p);
   Plant plant(setup);
   plant.d_B = {2e-3, -1e-3, 1e-3};
@@ -324,8 +325,8 @@ void expect_the_dense_filter(int delay) {
   EXPECT_LT(worst_P, 1e-6);
 }
 
-TEST(JointKalman, IsTheDenseFilterOfItsModel) { expect_the_dense_filter(0); }
-TEST(JointKalman, IsTheDenseFilterOfItsModelWithMomentaThatAreShownLate) { expect_the_dense_filter(3); }
+TEST(JointKalmanObserver, IsTheDenseFilterOfItsModel) { expect_the_dense_filter(0); }
+TEST(JointKalmanObserver, IsTheDenseFilterOfItsModelWithMomentaThatAreShownLate) { expect_the_dense_filter(3); }
 
 template <class S>
 class JointKalmanOf : public testing::Test {};
@@ -334,7 +335,7 @@ TYPED_TEST_SUITE(JointKalmanOf, Scalars);
 
 /// Flies `observer` open loop; `before(k, plant)` changes the plant, `look(k, estimate)` looks.
 template <class S, class Before, class Look>
-void fly(JointKalman<S>& observer, Plant& plant, int samples, double rate_noise, double momentum_noise,
+void fly(JointKalmanObserver<S>& observer, Plant& plant, int samples, double rate_noise, double momentum_noise,
          const Setup<double>& setup, Before&& before, Look&& look, unsigned seed = 1) {
   Random random(seed);
   (void)observer.start(plant.measured<S>(0, random, rate_noise, momentum_noise));
@@ -353,7 +354,7 @@ const auto nothing = [](auto&&...) {};
 TYPED_TEST(JointKalmanOf, FourWheelsAreToldApart) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalman<S>>(four_wheels<S>());
+  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   plant.d_B = {3e-3, -2e-3, 1e-3};
   Estimate<S> x;
@@ -393,7 +394,7 @@ TYPED_TEST(JointKalmanOf, WhatTheIssuedEffectivenessLeavesOverIsInTheDisturbance
   truth.vehicle.wheels = {};
   Setup<double> known = truth;
   truth.vehicle.J_B /= 1.05;
-  auto observer = by_default<JointKalman<S>>(cast<S>(known));
+  auto observer = by_default<JointKalmanObserver<S>>(cast<S>(known));
   Plant plant(truth);
   double handed_on = 0, missing = 0;
   int counted = 0;
@@ -417,7 +418,7 @@ TYPED_TEST(JointKalmanOf, WhatTheIssuedEffectivenessLeavesOverIsInTheDisturbance
 TYPED_TEST(JointKalmanOf, TheBoundIsInfiniteUntilCommandsHaveTaughtAndAgainWhenTheyStop) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalman<S>>(four_wheels<S>());
+  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   int finite_from = -1, infinite_from = -1;
   fly(
@@ -448,7 +449,8 @@ TYPED_TEST(JointKalmanOf, ActuatorsInAnotherOrderAreTheSameActuators) {
     other.vehicle.D_B.col(i) = setup.vehicle.D_B.col(from);
     other.vehicle.wheels.set(i, setup.vehicle.wheels.test(from));
   }
-  auto one = by_default<JointKalman<S>>(cast<S>(setup)), two = by_default<JointKalman<S>>(cast<S>(other));
+  auto one = by_default<JointKalmanObserver<S>>(cast<S>(setup)),
+       two = by_default<JointKalmanObserver<S>>(cast<S>(other));
   Plant plant(setup);
   Random random(2);
   const auto shuffled = [&](const auto& v) {
@@ -486,12 +488,12 @@ TYPED_TEST(JointKalmanOf, TheScaleOfTheVehicleIsOfNoConsequence) {
   other.vehicle.u_up *= mass / (time * time);
   other.vehicle.u_lo *= mass / (time * time);
   other.dt *= time;
-  auto observer = by_default<JointKalman<S>>(cast<S>(setup));
-  typename JointKalman<S>::Params p(cast<S>(other));
+  auto observer = by_default<JointKalmanObserver<S>>(cast<S>(setup));
+  typename JointKalmanObserver<S>::Params p(cast<S>(other));
   for (S* q : {&p.q_e, &p.q_b, &p.q_d}) *q /= static_cast<S>(std::sqrt(time));
-  p.rate_noise = static_cast<S>(typename JointKalman<S>::Params(cast<S>(setup)).rate_noise / S(time));
-  p.momentum_noise = typename JointKalman<S>::Params(cast<S>(setup)).momentum_noise * S(mass / time);
-  JointKalman<S> scaled(unchecked, cast<S>(other), p);
+  p.rate_noise = static_cast<S>(typename JointKalmanObserver<S>::Params(cast<S>(setup)).rate_noise / S(time));
+  p.momentum_noise = typename JointKalmanObserver<S>::Params(cast<S>(setup)).momentum_noise * S(mass / time);
+  JointKalmanObserver<S> scaled(unchecked, cast<S>(other), p);
   Plant plant(setup);
   Random random(3);
   const auto larger = [&](Measurement<S> y) {
@@ -517,7 +519,7 @@ TYPED_TEST(JointKalmanOf, TheScaleOfTheVehicleIsOfNoConsequence) {
 
 /// Smallest eigenvalue of the correlations: zero where they contradict each other.
 template <class S>
-double smallest_correlation(const JointKalman<S>& observer) {
+double smallest_correlation(const JointKalmanObserver<S>& observer) {
   MatrixXd P = observer.covariance().lower().template cast<double>();
   P = MatrixXd(P.selfadjointView<Eigen::Lower>());
   const VectorXd scale = P.diagonal().cwiseSqrt().cwiseInverse();
@@ -529,7 +531,7 @@ double smallest_correlation(const JointKalman<S>& observer) {
 TYPED_TEST(JointKalmanOf, TheCovarianceStaysPositive) {
   using S = TypeParam;
   const Setup<double> setup = mixed();
-  auto observer = by_default<JointKalman<S>>(cast<S>(setup));
+  auto observer = by_default<JointKalmanObserver<S>>(cast<S>(setup));
   Plant plant(setup);
   Random random(11);
   (void)observer.start(plant.measured<S>(0, random, 1e-5, 1e-5));
@@ -563,7 +565,7 @@ TYPED_TEST(JointKalmanOf, TheCovarianceStaysPositive) {
 TYPED_TEST(JointKalmanOf, HealthyActuatorsOpenNothingBeyondTheStatedRate) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalman<S>>(four_wheels<S>());
+  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   fly(observer, plant, 100000, 1e-5, 1e-5, setup, nothing, nothing);
   EXPECT_LE(observer.openings(), 3u);
@@ -574,7 +576,7 @@ TYPED_TEST(JointKalmanOf, OneChannelAloneStillTeaches) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
   for (const bool rate_fails : {true, false}) {
-    auto observer = by_default<JointKalman<S>>(four_wheels<S>());
+    auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
     Plant plant(setup);
     Random random(4);
     (void)observer.start(plant.measured<S>(0, random, 1e-5, 1e-5));
@@ -608,7 +610,7 @@ TYPED_TEST(JointKalmanOf, OneChannelAloneStillTeaches) {
 TYPED_TEST(JointKalmanOf, AJumpOfTheStateTeachesNothing) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalman<S>>(four_wheels<S>());
+  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   plant.effectiveness[1] = 0.5;
   Random random(6);
@@ -634,7 +636,7 @@ TYPED_TEST(JointKalmanOf, AJumpOfTheStateTeachesNothing) {
 TYPED_TEST(JointKalmanOf, ACommandBeyondSenseTeachesNothing) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalman<S>>(four_wheels<S>());
+  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   Random random(7);
   (void)observer.start(plant.measured<S>(0, random, 1e-5, 1e-5));
@@ -678,7 +680,7 @@ TYPED_TEST(JointKalmanOf, FliesWhateverVehicleThereIs) {
                              fleet.wheels);
       return s;
     }();
-    Checked<JointKalman<S>> observer(flown);
+    Checked<JointKalmanObserver<S>> observer(flown);
     ASSERT_TRUE(observer) << observer.status().quantity;
     EXPECT_EQ(observer->state().size(), fleet.states);
     Plant plant(setup);
@@ -691,17 +693,17 @@ TYPED_TEST(JointKalmanOf, FliesWhateverVehicleThereIs) {
   }
 }
 
-TEST(JointKalman, RefusesWhatCannotWork) {
+TEST(JointKalmanObserver, RefusesWhatCannotWork) {
   const auto setup = four_wheels<double>();
-  JointKalman<double>::Params p(setup);
-  EXPECT_TRUE(JointKalman<double>::check(setup, p).ok());
+  JointKalmanObserver<double>::Params p(setup);
+  EXPECT_TRUE(JointKalmanObserver<double>::check(setup, p).ok());
   p.gate = 1;
-  EXPECT_STREQ(JointKalman<double>::check(setup, p).quantity, "gate");
-  p = JointKalman<double>::Params(setup);
+  EXPECT_STREQ(JointKalmanObserver<double>::check(setup, p).quantity, "gate");
+  p = JointKalmanObserver<double>::Params(setup);
   p.e_min = 0;
-  EXPECT_STREQ(JointKalman<double>::check(setup, p).quantity, "e_min");
+  EXPECT_STREQ(JointKalmanObserver<double>::check(setup, p).quantity, "e_min");
   p.e_min = 1;
-  EXPECT_STREQ(JointKalman<double>::check(setup, p).quantity, "e_min");
+  EXPECT_STREQ(JointKalmanObserver<double>::check(setup, p).quantity, "e_min");
 }
 
 }  // namespace

@@ -9,9 +9,9 @@
 namespace gyrostat::test {
 namespace {
 
-LearningRecursion published(double step, int delay) { return {18, 0.98, 15, 5, step, delay}; }
+LearningErrorLoop published(double step, int delay) { return {18, 0.98, 15, 5, step, delay}; }
 
-TEST(LearningRecursion, HasThePublishedGainsSpectralRadii) {
+TEST(LearningErrorLoop, HasThePublishedGainsSpectralRadii) {
   // Roots of the characteristic polynomial by numpy: memory of 10 samples, then of 2, then held over one interval.
   EXPECT_NEAR(published(0.001, 10).spectral_radius(), 0.99899, 1e-4);
   EXPECT_NEAR(published(0.0021, 10).spectral_radius(), 1.0001, 1e-4);
@@ -28,7 +28,7 @@ TEST(LearningRecursion, HasThePublishedGainsSpectralRadii) {
   }
 }
 
-TEST(LearningRecursion, LosesItsHalfSampleRateModeWhereTheClosedFormSays) {
+TEST(LearningErrorLoop, LosesItsHalfSampleRateModeWhereTheClosedFormSays) {
   // z = -1 for even N: tanh(M h / 2) / M = (1 - k1) / (k2 + k3).
   const double h = 2.0 / 18 * std::atanh(18 * 0.02 / 20);
   EXPECT_NEAR(h, 2e-3, 1e-6);

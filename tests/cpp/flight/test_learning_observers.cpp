@@ -4,7 +4,7 @@
 #include "../random.hpp"
 #include "closed_loop.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
-#include "gyrostat/flight/observers/adaptive_sliding_mode.hpp"
+#include "gyrostat/flight/observers/adaptive_sliding_mode_effectiveness.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness.hpp"
 #include "gyrostat/flight/observers/learning_effectiveness_printed.hpp"
 #include "telemetry_log.hpp"
@@ -43,7 +43,7 @@ TYPED_TEST(LearningObservers, FourWheelsAreToldApartOnceTheirCommandsVary) {
   const Setup<S> setup = ftc_4rw<S>();
   Body body(setup.vehicle);
   body.effectiveness << 0.4, 1.0, 0.7, 0.05;
-  auto observer = by_default<LearningEffectiveness<S>>(setup);
+  auto observer = by_default<LearningEffectivenessObserver<S>>(setup);
   Estimate<S> x;
   watch(observer, body, 0.01, 3000, exciting, [&](int, const Estimate<S>& now, const auto&) { x = now; });
   for (int i = 0; i < 4; ++i) {
@@ -61,7 +61,7 @@ TYPED_TEST(LearningObservers, AnActuatorThatIsNotCommandedIsHeldToTheBitAndUnkno
   const Setup<S> setup = ftc_4rw<S>();
   Body body(setup.vehicle);
   body.effectiveness[3] = 0.5;
-  auto observer = by_default<LearningEffectiveness<S>>(setup);
+  auto observer = by_default<LearningEffectivenessObserver<S>>(setup);
   watch(
       observer, body, 0.01, 500,
       [](int k) {
@@ -98,9 +98,9 @@ TYPED_TEST(LearningObservers, EstimatesStayInsideTheirRangeUnderAnyCommand) {
           EXPECT_LE(x.effectiveness.maxCoeff(), S(1));
         });
   };
-  inside(std::type_identity<LearningEffectiveness<S>>{});
-  inside(std::type_identity<LearningEffectivenessPrinted<S>>{});
-  inside(std::type_identity<AdaptiveSlidingMode<S>>{});
+  inside(std::type_identity<LearningEffectivenessObserver<S>>{});
+  inside(std::type_identity<LearningEffectivenessPrintedObserver<S>>{});
+  inside(std::type_identity<AdaptiveSlidingModeEffectivenessObserver<S>>{});
 }
 
 /// What pseudo_inverse drops is not commanded, so nothing could ever be learned about it again.
@@ -108,19 +108,19 @@ TYPED_TEST(LearningObservers, NoDefaultEstimateIsSoSmallThatAllocatorsDropIt) {
   using S = TypeParam;
   const Setup<S> setup = ftc_4rw<S>();
   const S least = typename PseudoInverse<S>::Params(setup).e_min;
-  EXPECT_GE(typename LearningEffectiveness<S>::Params(setup).e_min, least);
-  EXPECT_GE(typename LearningEffectivenessPrinted<S>::Params(setup).e_min, least);
-  EXPECT_GE(typename AdaptiveSlidingMode<S>::Params(setup).e_min, least);
+  EXPECT_GE(typename LearningEffectivenessObserver<S>::Params(setup).e_min, least);
+  EXPECT_GE(typename LearningEffectivenessPrintedObserver<S>::Params(setup).e_min, least);
+  EXPECT_GE(typename AdaptiveSlidingModeEffectivenessObserver<S>::Params(setup).e_min, least);
 }
 
 TEST(LearningEffectivenessDouble, IsTheSumAnAxisOnThreeOrthogonalWheels) {
   const Mat3<double> J = Vec3<double>(36, 17, 26).asDiagonal();
   const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
-  LearningEffectiveness<double>::Params p(setup);
+  LearningEffectivenessObserver<double>::Params p(setup);
   p.u0 = p.u_exc = p.torque_error = 0.3;
   p.memory = 30;
   p.M = {80, 50, 60};
-  LearningEffectiveness<double> observer(unchecked, setup, p);
+  LearningEffectivenessObserver<double> observer(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(3);
   (void)observer.start(y);
@@ -137,12 +137,12 @@ TEST(LearningEffectivenessDouble, IsTheSumAnAxisOnThreeOrthogonalWheels) {
 TEST(LearningEffectivenessDouble, AFaultMakesItsWheelUnknownAtOnceAndLearningMakesItKnownAgain) {
   const Mat3<double> J = Vec3<double>(36, 17, 26).asDiagonal();
   const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
-  LearningEffectiveness<double>::Params p(setup);
+  LearningEffectivenessObserver<double>::Params p(setup);
   p.u0 = p.u_exc = 0.3;
   p.M.setConstant(50);
   p.memory = 30;
   p.torque_error = 0.02;
-  LearningEffectiveness<double> observer(unchecked, setup, p);
+  LearningEffectivenessObserver<double> observer(unchecked, setup, p);
   Body body(setup.vehicle);
   VecN<double> u(3);
   watch(
@@ -169,7 +169,7 @@ TEST(LearningEffectivenessDouble, AFaultMakesItsWheelUnknownAtOnceAndLearningMak
 
 TEST(LearningEffectivenessDouble, WheelMomentumBelongsToTheModel) {
   auto setup = ftc_4rw<double>();
-  auto observer = by_default<LearningEffectiveness<double>>(setup);
+  auto observer = by_default<LearningEffectivenessObserver<double>>(setup);
   const Mat3<double>& J = setup.vehicle.J_B;
   Measurement<double> y;
   y.h_w = VecN<double>(4);
@@ -196,13 +196,13 @@ TEST(LearningEffectivenessDouble, WheelMomentumBelongsToTheModel) {
 TEST(LearningEffectivenessPrintedDouble, EndsAtTheFixedPointThatTheLeakLeaves) {
   const Mat3<double> J = 26 * Mat3<double>::Identity();
   const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 20, 0.01);
-  LearningEffectivenessPrinted<double>::Params p(setup);
+  LearningEffectivenessPrintedObserver<double>::Params p(setup);
   p.l = 0.9;
-  p.direction = LearningEffectivenessPrinted<double>::Direction::none;
+  p.direction = LearningEffectivenessPrintedObserver<double>::Direction::none;
   p.H1 = {8, 15, 12};
   p.H2 = {20, 3, 8};
   p.M = {80, 50, 60};
-  LearningEffectivenessPrinted<double> observer(unchecked, setup, p);
+  LearningEffectivenessPrintedObserver<double> observer(unchecked, setup, p);
   Body body(setup.vehicle);
   body.effectiveness << 0.8, 0.6, 1.0;
   Estimate<double> x;
@@ -217,24 +217,24 @@ TEST(LearningEffectivenessPrintedDouble, EndsAtTheFixedPointThatTheLeakLeaves) {
 
 TEST(LearningEffectivenessPrintedDouble, RefusesADelayThatIsNoWholeNumberOfPeriods) {
   const auto setup = ftc_4rw<double>();
-  LearningEffectivenessPrinted<double>::Params p(setup);
-  EXPECT_TRUE(LearningEffectivenessPrinted<double>::check(setup, p).ok());
+  LearningEffectivenessPrintedObserver<double>::Params p(setup);
+  EXPECT_TRUE(LearningEffectivenessPrintedObserver<double>::check(setup, p).ok());
   p.delay = 0.015;
-  EXPECT_FALSE(LearningEffectivenessPrinted<double>::check(setup, p).ok());
+  EXPECT_FALSE(LearningEffectivenessPrintedObserver<double>::check(setup, p).ok());
   p.delay = 1.0;
-  EXPECT_FALSE(LearningEffectivenessPrinted<double>::check(setup, p).ok()) << "longer than the delay line";
+  EXPECT_FALSE(LearningEffectivenessPrintedObserver<double>::check(setup, p).ok()) << "longer than the delay line";
 }
 
 TEST(AdaptiveSlidingModeDouble, IsUnstableUnderAnAlternatingCommandWhereItsCheckSaysSo) {
   const Mat3<double> J = 20 * Mat3<double>::Identity();
   const auto setup = vehicle_with<double>(J, Mat3N<double>(Mat3<double>::Identity()), 10, 0.01);
-  AdaptiveSlidingMode<double>::Params p(setup);
+  AdaptiveSlidingModeEffectivenessObserver<double>::Params p(setup);
   p.L.setConstant(200);
   p.rho_max = 0;
   const auto spread = [&](double factor) {  // gamma as a multiple of the limit 2 L dt / J
     p.gamma = factor * 2 * (200 * 0.01 / 20) * 20 / (100 * 1e-4);
-    EXPECT_EQ((AdaptiveSlidingMode<double>::check(setup, p).ok()), factor < 1) << factor;
-    AdaptiveSlidingMode<double> observer(unchecked, setup, p);
+    EXPECT_EQ((AdaptiveSlidingModeEffectivenessObserver<double>::check(setup, p).ok()), factor < 1) << factor;
+    AdaptiveSlidingModeEffectivenessObserver<double> observer(unchecked, setup, p);
     Body body(setup.vehicle);
     body.effectiveness.setConstant(0.5);
     double late = 0;
@@ -261,13 +261,13 @@ struct Held {
 
 TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToItsCap) {
   Held at;
-  AdaptiveSlidingMode<double>::Params p(at.setup);
+  AdaptiveSlidingModeEffectivenessObserver<double>::Params p(at.setup);
   p.gamma = 100;
   p.L.setZero();
   p.k_rho = 30;
   p.rho_max = 0.01;
   p.dead_zone = 2e-3;
-  AdaptiveSlidingMode<double> observer(unchecked, at.setup, p);
+  AdaptiveSlidingModeEffectivenessObserver<double> observer(unchecked, at.setup, p);
   (void)observer.start(at.y);
   at.y.omega_BN_B = {1.9e-3, -2.1e-3, 5e-3};  // inside, just beyond, far beyond
   Vec3<double> rho = Vec3<double>::Zero(), omega_hat = Vec3<double>::Zero();
@@ -295,9 +295,9 @@ TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToI
 TEST(LearningEffectivenessDouble, WhatTheIssuedEffectivenessLeavesOverIsInTheDisturbance) {
   const auto setup = ftc_4rw<double>();
   for (const bool hand_on : {true, false}) {
-    LearningEffectiveness<double>::Params p(setup);
+    LearningEffectivenessObserver<double>::Params p(setup);
     p.hand_on = hand_on;
-    LearningEffectiveness<double> observer(unchecked, setup, p);
+    LearningEffectivenessObserver<double> observer(unchecked, setup, p);
     Body body(setup.vehicle);
     body.J_B /= 1.1;
     body.effectiveness[3] = 0.01;  // below what is issued
@@ -321,11 +321,11 @@ TEST(LearningEffectivenessDouble, WhatTheIssuedEffectivenessLeavesOverIsInTheDis
 
 TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
   Held at;
-  AdaptiveSlidingMode<double>::Params p(at.setup);
+  AdaptiveSlidingModeEffectivenessObserver<double>::Params p(at.setup);
   p.gamma = 100;
   p.L.setZero();
   p.dead_zone = 1;
-  AdaptiveSlidingMode<double> observer(unchecked, at.setup, p);
+  AdaptiveSlidingModeEffectivenessObserver<double> observer(unchecked, at.setup, p);
   (void)observer.start(at.y);
   at.last.u << 2, -2, 3;
   // A rate error of 1e-3 below what the commands make on axes 0 and 1 (of either sign), above it on axis 2.
@@ -341,27 +341,27 @@ TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
 
 TEST(AdaptiveSlidingModeDouble, RefusesACorrectionThatOvershoots) {
   Held at;
-  AdaptiveSlidingMode<double>::Params p(at.setup);
+  AdaptiveSlidingModeEffectivenessObserver<double>::Params p(at.setup);
   p.gamma = 0;
   p.L.setConstant(1999);  // L dt / J = 0.9995
-  EXPECT_TRUE(AdaptiveSlidingMode<double>::check(at.setup, p).ok());
+  EXPECT_TRUE(AdaptiveSlidingModeEffectivenessObserver<double>::check(at.setup, p).ok());
   p.L.setConstant(2001);
-  EXPECT_EQ(AdaptiveSlidingMode<double>::check(at.setup, p).code, Status<double>::Code::unstable);
+  EXPECT_EQ(AdaptiveSlidingModeEffectivenessObserver<double>::check(at.setup, p).code, Status<double>::Code::unstable);
 }
 
 TEST(LearningEffectivenessPrintedDouble, IsThePrintedRecursionWithItsPastError) {
   Held at;
-  LearningEffectivenessPrinted<double>::Params p(at.setup);
+  LearningEffectivenessPrintedObserver<double>::Params p(at.setup);
   p.l = 0.9;
   p.H1 = {3, 4, 5};
   p.H2 = {6, 7, 8};
   p.M.setZero();
   p.delay = 0.02;  // two samples
-  for (const auto direction : {LearningEffectivenessPrinted<double>::Direction::none,
-                               LearningEffectivenessPrinted<double>::Direction::command}) {
+  for (const auto direction : {LearningEffectivenessPrintedObserver<double>::Direction::none,
+                               LearningEffectivenessPrintedObserver<double>::Direction::command}) {
     p.direction = direction;
-    const bool printed = direction == LearningEffectivenessPrinted<double>::Direction::none;
-    LearningEffectivenessPrinted<double> observer(unchecked, at.setup, p);
+    const bool printed = direction == LearningEffectivenessPrintedObserver<double>::Direction::none;
+    LearningEffectivenessPrintedObserver<double> observer(unchecked, at.setup, p);
     for (int restart = 0; restart < 2; ++restart) {
       // Without correction, command and torque the predicted rate stays what it was at the start: zero.
       std::vector<Vec3<double>> e{Vec3<double>::Ones(), Vec3<double>::Ones()}, error(2, Vec3<double>::Zero());
@@ -390,7 +390,7 @@ TEST(LearningEffectivenessPrintedDouble, IsThePrintedRecursionWithItsPastError) 
 /// The equations of the page with dense matrices; the sample before and everything that is carried from it.
 struct WrittenOut {
   gyrostat::Setup<double> setup;
-  LearningEffectiveness<double>::Params p;
+  LearningEffectivenessObserver<double>::Params p;
   Vec3<double> what = Vec3<double>::Zero(), error = Vec3<double>::Zero(), injection = Vec3<double>::Zero();
   VecN<double> h_w, e = VecN<double>::Ones(4);
   Eigen::Matrix4d P = Eigen::Matrix4d::Identity();
@@ -454,12 +454,12 @@ struct WrittenOut {
 
 TEST(LearningEffectivenessDouble, IsTheEquationsOfItsPageBoundIncluded) {
   const auto setup = ftc_4rw<double>();
-  LearningEffectiveness<double>::Params p(setup);
+  LearningEffectivenessObserver<double>::Params p(setup);
   p.kappa = 0.1;
   p.n = 0.02;
   p.torque_error = 0.005;  // a loss of actuators is beyond it: what was known is doubted
   p.memory = 3;
-  LearningEffectiveness<double> observer(unchecked, setup, p);
+  LearningEffectivenessObserver<double> observer(unchecked, setup, p);
   WrittenOut written{setup, p};
   Random random(9);
   int known = 0, weakest = 0, held = 0;

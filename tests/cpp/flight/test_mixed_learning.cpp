@@ -5,7 +5,7 @@
 
 #include "../random.hpp"
 #include "closed_loop.hpp"
-#include "gyrostat/flight/observers/mixed_learning.hpp"
+#include "gyrostat/flight/observers/mixed_learning_disturbance.hpp"
 #include "vehicles.hpp"
 
 namespace gyrostat::test {
@@ -14,7 +14,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 template <class S>
-using Observer = MixedLearningObserver<S>;
+using Observer = MixedLearningDisturbanceObserver<S>;
 
 template <class S>
 MixedLearningGains<S> gains_of(const Mat3<S>& K, double now, double before, double keep, int delay = 1) {

@@ -16,7 +16,7 @@ namespace gyrostat::test {
 namespace {
 
 template <class S>
-using Stack = FlightStack<Passthrough<S>, NoDetector<S>, FiniteTime<S>, PseudoInverse<S>>;
+using Stack = FlightStack<PassthroughObserver<S>, NoDetector<S>, FiniteTime<S>, PseudoInverse<S>>;
 
 template <class S>
 Stack<S> nominal_stack(const gyrostat::Setup<S>& s, const typename NominalLaw<S>::Params& p) {

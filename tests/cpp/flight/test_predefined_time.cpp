@@ -162,8 +162,8 @@ TEST(PredefinedTimeDouble, RefusesSlopesThatTheSamplePeriodCannotHold) {
 /// Rotation about x by an angle, continuous in sign: w < 0 beyond half a turn.
 Quat<double> turned(double angle) { return {std::cos(angle / 2), std::sin(angle / 2), 0, 0}; }
 
-TEST(ShadowSetDouble, TurnsRoundAtItsLimitAndNotBefore) {
-  ShadowSet<double> set(1.2);
+TEST(MrpSwitchingDouble, TurnsRoundAtItsLimitAndNotBefore) {
+  MrpSwitching<double> set(1.2);
   const double limit = 4 * std::atan(1.2);
   int switches = 0;
   double before = 0;
@@ -182,9 +182,9 @@ TEST(ShadowSetDouble, TurnsRoundAtItsLimitAndNotBefore) {
   EXPECT_EQ(switches, 4);
 }
 
-TEST(ShadowSetDouble, OneIsTheShortWayAndInfinityNeverSwitches) {
+TEST(MrpSwitchingDouble, OneIsTheShortWayAndInfinityNeverSwitches) {
   Random random(11);
-  ShadowSet<double> always(1.0), never(std::numeric_limits<double>::infinity());
+  MrpSwitching<double> always(1.0), never(std::numeric_limits<double>::infinity());
   for (int i = 0; i < 200; ++i) {
     const Quat<double> q = random.attitude<double>();
     EXPECT_EQ(always(q).coeffs(), short_way(q).coeffs());
@@ -206,7 +206,7 @@ void flies_the_long_way_when_told() {
   EXPECT_LT(long_law.start(x, det, {}).tau_B[0], 0);
 }
 
-TEST(ShadowSetDouble, EveryMrpLawHasTheOption) {
+TEST(MrpSwitchingDouble, EveryMrpLawHasTheOption) {
   flies_the_long_way_when_told<PredefinedTime<double>>();
   flies_the_long_way_when_told<TerminalSlidingMode<double>>();
   flies_the_long_way_when_told<MrpFeedback<double>>();
@@ -230,7 +230,7 @@ void chooses_anew_at_a_start() {
   EXPECT_EQ(tau_B, fresh.start(beyond, det, {}).tau_B);
 }
 
-TEST(ShadowSetDouble, AStartChoosesTheShortWayWhateverWasFollowedBefore) {
+TEST(MrpSwitchingDouble, AStartChoosesTheShortWayWhateverWasFollowedBefore) {
   chooses_anew_at_a_start<PredefinedTime<double>>();
   chooses_anew_at_a_start<TerminalSlidingMode<double>>();
   chooses_anew_at_a_start<MrpFeedback<double>>();

@@ -24,7 +24,7 @@ Demand<double> ask(Law law, const Vec3<double>& sigma, const Vec3<double>& omega
 
 template <class Law>
 auto stack_of(const gyrostat::Setup<double>& s, const typename Law::Params& p) {
-  using Stack = FlightStack<Passthrough<double>, NoDetector<double>, Law, PseudoInverse<double>>;
+  using Stack = FlightStack<PassthroughObserver<double>, NoDetector<double>, Law, PseudoInverse<double>>;
   typename Stack::Params all(s);
   all.controller = p;
   return Stack(unchecked, s, all);

@@ -68,7 +68,7 @@ TYPED_TEST(Pulses, AVehicleWithoutOnOffActuatorsHasNone) {
 
 TYPED_TEST(Pulses, OfTheStackAreWhatItSaysItAchieved) {
   using S = TypeParam;
-  using Stack = FlightStack<Passthrough<S>, NoDetector<S>, MrpFeedback<S>, WeightedLeastSquares<S>>;
+  using Stack = FlightStack<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, WeightedLeastSquares<S>>;
   const Setup<S> setup = six_and_a_wheel<S>(32, 2, 2);
   const typename Stack::Params params(setup);
   Checked<Stack> checked(setup, params);

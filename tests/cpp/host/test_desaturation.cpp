@@ -32,7 +32,7 @@ struct Told {
 };
 
 template <class Controller>
-using Stack = FlightStack<Passthrough<double>, Told, Controller, PseudoInverse<double>, NoNavigator<double>,
+using Stack = FlightStack<PassthroughObserver<double>, Told, Controller, PseudoInverse<double>, NoNavigator<double>,
                           MagneticAxes<double>, Law>;
 
 constexpr double dt = 4;
@@ -127,7 +127,7 @@ Flight nadir(const Case& c) {
   Detection<double> known = Detection<double>::none(s.vehicle);
   if (c.dead >= 0 && c.told) known.failed.set(3 + c.dead);
   Stack<MrpFeedback<double>> stack(
-      unchecked, s, Passthrough<double>(unchecked, s, p.observer), Told{known},
+      unchecked, s, PassthroughObserver<double>(unchecked, s, p.observer), Told{known},
       MrpFeedback<double>(unchecked, s, p.controller), PseudoInverse<double>(unchecked, s, p.allocator),
       NoNavigator<double>(unchecked, s, p.navigator), MagneticAxes<double>{axes()}, Law(unchecked, s, law));
   truth::Sensors sensors({}, 0, 0, false, s.dt, Mask::all(max_actuators), orbit());
@@ -211,7 +211,7 @@ TEST(Desaturation, ATumbleDiesOutOnTorquersAlone) {
   Law::Params law(s);
   law.gain = 3.5;  // 2 (1 + sin of the orbit's inclination to the geomagnetic equator)
   law.momentum = Law::Momentum::total;
-  Magnetic stack(unchecked, s, Passthrough<double>(unchecked, s, p.observer), Told{known},
+  Magnetic stack(unchecked, s, PassthroughObserver<double>(unchecked, s, p.observer), Told{known},
                  OpenLoop<double>(unchecked, s, p.controller), PseudoInverse<double>(unchecked, s, p.allocator),
                  NoNavigator<double>(unchecked, s, p.navigator), MagneticAxes<double>{m.D_B}, Law(unchecked, s, law));
   truth::Sensors sensors({}, 0, 0, false, s.dt, Mask::all(max_actuators), orbit());
@@ -244,7 +244,7 @@ TEST(Desaturation, AFieldThatIsNotMeasuredStandsStillInSpace) {
   typename Stack<OpenLoop<double>>::Params p(s);
   Law::Params law(s);
   Stack<OpenLoop<double>> stack(
-      unchecked, s, Passthrough<double>(unchecked, s, p.observer), Told{known},
+      unchecked, s, PassthroughObserver<double>(unchecked, s, p.observer), Told{known},
       OpenLoop<double>(unchecked, s, p.controller), PseudoInverse<double>(unchecked, s, p.allocator),
       NoNavigator<double>(unchecked, s, p.navigator), MagneticAxes<double>{axes()}, Law(unchecked, s, law));
   const V field_N{2e-5, -1e-5, 3e-5};

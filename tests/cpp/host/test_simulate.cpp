@@ -76,7 +76,8 @@ TEST(ClosedLoop, IsTheSameForAStaticStack) {
     EXPECT_EQ(fly(plant, sensors, reference, stack, 3000).code, RunEnd::Code::completed);
     return plant.omega_BN_B();
   };
-  using Fixed = FlightStack<Passthrough<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>;
+  using Fixed =
+      FlightStack<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>;
   Fixed::Params p(a.setup);
   p.controller = read_params(p.controller, a.controller.params, Place{"here", 4});
   Fixed fixed(unchecked, a.setup, p);

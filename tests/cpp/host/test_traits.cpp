@@ -97,7 +97,7 @@ TEST(Traits, AnAxiswiseComponentDoesNotKnowTheNamesOfTheBodyAxes) {
 TEST(Traits, AComponentThatKnowsAnAxisIsNotAxiswise) {
   host::Table s = bench::ftc_4rw("rk4");
   s.set("allow_unstable", true);
-  s.set("observer", host::Table{{"type", "adaptive_sliding_mode"}, {"L", bench::row({10, 20, 40})}});
+  s.set("observer", host::Table{{"type", "adaptive_sliding_mode_effectiveness"}, {"L", bench::row({10, 20, 40})}});
   EXPECT_GT(difference(host::assemble(s), renamings()[7]), 1e-6);
 }
 

@@ -49,7 +49,7 @@ class FiniteTime {
 
   Vehicle<S> vehicle_;
   NominalLaw<S> nominal_;
-  ShadowSet<S> set_;
+  MrpSwitching<S> set_;
   Vec3<S> u_nominal_ = Vec3<S>::Zero();  ///< N m
 };
 

@@ -172,7 +172,7 @@ class IntegralSlidingMode {
   Params params_;
   Mat3<S> J_inv_;
   NominalLaw<S> nominal_;
-  ShadowSet<S> set_;
+  MrpSwitching<S> set_;
   Vec3<S> omega_ = Vec3<S>::Zero();           ///< rad/s, at the sample before
   Vec3<S> gyro_B_ = Vec3<S>::Zero();          ///< N m, w x (J w + D h_w) at the sample before
   Vec3<S> momentum_error_ = Vec3<S>::Zero();  ///< N m s, J P^-1 s

@@ -77,7 +77,7 @@ class MrpFeedback {
 
   Vehicle<S> vehicle_;
   Params params_;
-  ShadowSet<S> set_;
+  MrpSwitching<S> set_;
 };
 
 }  // namespace gyrostat

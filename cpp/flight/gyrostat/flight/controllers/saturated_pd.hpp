@@ -82,7 +82,7 @@ class SaturatedPd {
 
   Vehicle<S> vehicle_;
   Params params_;
-  ShadowSet<S> set_;
+  MrpSwitching<S> set_;
 };
 
 }  // namespace gyrostat

@@ -8,7 +8,7 @@
 #pragma once
 #include <algorithm>
 
-#include "gyrostat/flight/observers/parts/effectiveness_learning.hpp"
+#include "gyrostat/flight/observers/parts/iterative_learning_loop.hpp"
 #include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
@@ -22,7 +22,7 @@ class AdaptiveIterativeLearningObserver {
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< gain laws
 
-  struct Params : EffectivenessLearningParams<S> {
+  struct Params : IterativeLearningParams<S> {
     S k1_0, k1_max, mu1;
     S k4_0, k4_max, mu4;
     S deadzone, leak;
@@ -43,12 +43,12 @@ class AdaptiveIterativeLearningObserver {
       field(p.chi, Field{"chi", "rad/s", 0, 1e3, "rate error where it turns round"});
       field(p.gamma, Field{"gamma", "N m/s", 0, 1e9, "its growth at the floor"});
       field(p.layer, Field{"layer", "rad/s", 0, 1e3, "boundary layer of the switching term; 0: sign"});
-      EffectivenessLearningParams<S>::describe(p, field);
+      IterativeLearningParams<S>::describe(p, field);
     }
 
     /// Natural frequency 0.07 ... 0.2 / dt, critically damped; from one end to the other in 40 samples at the edge of the
     /// dead zone, which is the rate that the usable torque makes in 1.5 samples. k2 stays below a hundredth of that torque.
-    explicit Params(const Setup<S>& setup) noexcept : EffectivenessLearningParams<S>(setup) {
+    explicit Params(const Setup<S>& setup) noexcept : IterativeLearningParams<S>(setup) {
       const S h = setup.dt, a = usable_torque(setup.vehicle);
       k1_0 = S(0.14) / h;
       k1_max = S(0.4) / h;
@@ -133,7 +133,7 @@ class AdaptiveIterativeLearningObserver {
 
   S dt_;
   Params params_;
-  EffectivenessLearning<S> learning_;
+  IterativeLearningLoop<S> learning_;
   LearningGains<S> gains_;
 };
 

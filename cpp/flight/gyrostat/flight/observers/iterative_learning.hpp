@@ -4,7 +4,7 @@
 /// Source: the baseline of Yang, Yang, Ji, Ma 2023 (their [6], [9]): eq. (4) without adaptation and without k2.
 /// Page: docs/components/iterative_learning.md
 #pragma once
-#include "gyrostat/flight/observers/parts/effectiveness_learning.hpp"
+#include "gyrostat/flight/observers/parts/iterative_learning_loop.hpp"
 #include "gyrostat/flight/parts/chart.hpp"
 
 namespace gyrostat {
@@ -19,17 +19,17 @@ class IterativeLearningObserver {
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< an actuator crosses its gate
 
-  struct Params : EffectivenessLearningParams<S> {
+  struct Params : IterativeLearningParams<S> {
     S k1;
     S k4;
 
     static constexpr void describe(auto& p, auto&& field) {
       field(p.k1, Field{"k1", "1/s", 0, 1e9, "gain of the rate error in the rate observer"});
       field(p.k4, Field{"k4", "1/s", 0, 1e9, "learning gain"});
-      EffectivenessLearningParams<S>::describe(p, field);
+      IterativeLearningParams<S>::describe(p, field);
     }
     /// Natural frequency 0.1 / dt, critically damped.
-    explicit Params(const Setup<S>& setup) noexcept : EffectivenessLearningParams<S>(setup) {
+    explicit Params(const Setup<S>& setup) noexcept : IterativeLearningParams<S>(setup) {
       k1 = S(0.2) / setup.dt;
       k4 = S(0.01) / setup.dt;
     }
@@ -69,7 +69,7 @@ class IterativeLearningObserver {
   void telemetry(auto&& log) const { log("error", learning_.error()); }
 
  private:
-  EffectivenessLearning<S> learning_;
+  IterativeLearningLoop<S> learning_;
   LearningGains<S> gains_;
 };
 

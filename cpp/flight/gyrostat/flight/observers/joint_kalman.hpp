@@ -29,7 +29,7 @@ namespace gyrostat {
 
 /// 18 states for four wheels, 54 for sixteen, 22 for sixteen torquers; work and memory touched grow with their square.
 template <class S>
-class JointKalman {
+class JointKalmanObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "joint_kalman";
@@ -93,7 +93,7 @@ class JointKalman {
            Status<S>::require(p.e_min < S(1), "e_min", p.e_min, S(1), "<");
   }
 
-  JointKalman(Unchecked, const Setup<S>& setup, const Params& params) noexcept
+  JointKalmanObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         params_(params),
         wheels_(params.use_momentum ? setup.vehicle.wheels & Mask::all(setup.vehicle.actuators()) : Mask{}),

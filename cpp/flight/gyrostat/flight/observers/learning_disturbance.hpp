@@ -11,7 +11,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "gyrostat/flight/observers/parts/learning_recursion.hpp"
+#include "gyrostat/flight/observers/parts/learning_error_loop.hpp"
 #include "gyrostat/flight/parts/euler_model.hpp"
 #include "gyrostat/flight/parts/stiffness.hpp"
 
@@ -79,7 +79,7 @@ class LearningDisturbanceObserver {
   }
 
   /// What `check` asks: the recursion of the form that is flown.
-  static LearningRecursion recursion(const Setup<S>& setup, const Params& p) noexcept {
+  static LearningErrorLoop recursion(const Setup<S>& setup, const Params& p) noexcept {
     const int N = periods(setup, p);
     const bool held = p.form == Form::held;
     return {static_cast<double>(p.M),

@@ -28,7 +28,7 @@ namespace gyrostat {
 /// d_B holds what the issued effectiveness leaves over, no more: a torque that no command explains biases the estimate by
 /// |d| / |u|, which `torque_error` bounds.
 template <class S>
-class LearningEffectiveness {
+class LearningEffectivenessObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "learning_effectiveness";
@@ -84,7 +84,7 @@ class LearningEffectiveness {
                               unstable);
   }
 
-  LearningEffectiveness(Unchecked, const Setup<S>& setup, const Params& params) noexcept
+  LearningEffectivenessObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : J_over_dt_(setup.vehicle.J_B / setup.dt),
         params_(params),
         predict_(setup),

@@ -22,7 +22,7 @@ namespace gyrostat {
 
 /// It has no measure of its own quality: its bound stays infinite.
 template <class S>
-class LearningEffectivenessPrinted {
+class LearningEffectivenessPrintedObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "learning_effectiveness_printed";
@@ -85,7 +85,7 @@ class LearningEffectivenessPrinted {
                               Status<S>::Code::unstable);
   }
 
-  LearningEffectivenessPrinted(Unchecked, const Setup<S>& setup, const Params& params) noexcept
+  LearningEffectivenessPrintedObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : params_(params),
         predict_(setup),
         past_(static_cast<int>(std::lround(params.delay / setup.dt)), healthy(setup.vehicle.actuators())) {}

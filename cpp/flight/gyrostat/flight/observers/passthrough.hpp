@@ -7,7 +7,7 @@ namespace gyrostat {
 
 /// The observer of stacks that need none. Fits every vehicle.
 template <class S>
-class Passthrough {
+class PassthroughObserver {
  public:
   using Scalar = S;
   static constexpr const char* name = "passthrough";
@@ -20,7 +20,7 @@ class Passthrough {
 
   static Status<S> check(const Setup<S>&, const Params&) noexcept { return {}; }
 
-  Passthrough(Unchecked, const Setup<S>&, const Params&) noexcept {}
+  PassthroughObserver(Unchecked, const Setup<S>&, const Params&) noexcept {}
 
   [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept { return Estimate<S>::healthy(y); }
   [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>&) noexcept {

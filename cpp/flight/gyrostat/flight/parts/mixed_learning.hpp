@@ -4,7 +4,7 @@
 ///   learnt[k] = clamp( keep learnt[k-n] + K (before error[k-n] + now error[k]) )
 ///
 /// Source: Wang, Jia, Yu 2023, eq. (6) and (31), with a clamp. One delay line of `keep learnt + before K error` suffices.
-/// Page: docs/components/mixed_learning.md
+/// Page: docs/components/mixed_learning_disturbance.md
 #pragma once
 #include <Eigen/LU>
 #include <algorithm>

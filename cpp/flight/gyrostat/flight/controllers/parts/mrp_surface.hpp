@@ -99,7 +99,7 @@ class MrpSurface {
   Mat3<S> J_inv_;
   S scale_;
   MrpSurfaceParams<S> params_;
-  ShadowSet<S> set_;
+  MrpSwitching<S> set_;
 };
 
 }  // namespace gyrostat

@@ -3,7 +3,7 @@
 #pragma once
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/core/signals.hpp"
-#include "gyrostat/flight/controllers/parts/shadow_set.hpp"
+#include "gyrostat/flight/controllers/parts/mrp_switching.hpp"
 
 namespace gyrostat {
 
@@ -27,7 +27,7 @@ struct Tracking {
 /// `set` maps the error quaternion to the one of q and -q whose MRP is used.
 template <class S>
 Tracking<S> track(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref,
-                  ShadowSet<S>& set) noexcept {
+                  MrpSwitching<S>& set) noexcept {
   const AttitudeError<S> error = attitude_error(x.q_NB, x.omega_BN_B, ref.q_NR, ref.omega_RN_R);
   const Vec3<S> momentum_B = vehicle.J_B * x.omega_BN_B + x.axes.momentum_B(vehicle.D_B, x.h_w);
   const Vec3<S> acceleration_B = error.q_RB.conjugate() * ref.omegadot_RN_R - x.omega_BN_B.cross(error.omega_RN_B);
@@ -38,7 +38,7 @@ Tracking<S> track(const Vehicle<S>& vehicle, const Estimate<S>& x, const Referen
 /// The short way.
 template <class S>
 Tracking<S> track(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
-  ShadowSet<S> short_way_always(S(1));
+  MrpSwitching<S> short_way_always(S(1));
   return track(vehicle, x, ref, short_way_always);
 }
 

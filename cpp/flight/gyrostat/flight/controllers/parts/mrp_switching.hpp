@@ -18,9 +18,9 @@ inline constexpr Field shadow_switch_field{"shadow_switch", "", 1, std::numeric_
                                            "MRP norm at which the shadow set is taken; 1: short way, infinite: never"};
 
 template <class S>
-class ShadowSet {
+class MrpSwitching {
  public:
-  explicit ShadowSet(S switch_at) noexcept
+  explicit MrpSwitching(S switch_at) noexcept
       : follows_(!std::isfinite(switch_at)),
         w_switch_(follows_ ? S(-1) : (S(1) - switch_at * switch_at) / (S(1) + switch_at * switch_at)) {}
 

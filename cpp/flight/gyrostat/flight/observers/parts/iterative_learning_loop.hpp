@@ -32,7 +32,7 @@ struct LearningGains {
 
 /// Parameters that the learning observers have in common.
 template <class S>
-struct EffectivenessLearningParams {
+struct IterativeLearningParams {
   S k3 = S(1);
   S k5 = S(0);
   int delay = 1;
@@ -60,7 +60,7 @@ struct EffectivenessLearningParams {
   }
 
   /// The gate is a fifth of the usable torque; spares are held at one.
-  explicit EffectivenessLearningParams(const Setup<S>& setup) noexcept : frozen(setup.vehicle.spare) {
+  explicit IterativeLearningParams(const Setup<S>& setup) noexcept : frozen(setup.vehicle.spare) {
     const S a = usable_torque(setup.vehicle);
     u_gate = S(0.2) * a;
     u_reg = S(0.08) * a;
@@ -86,11 +86,11 @@ bool effectiveness_loop_is_stable(S h, S k1, S k3, S k4, S k5, int delay) noexce
 
 /// Rate observer and learning step; the gains come from outside, once a sample.
 template <class S>
-class EffectivenessLearning {
+class IterativeLearningLoop {
  public:
-  using Params = EffectivenessLearningParams<S>;
+  using Params = IterativeLearningParams<S>;
 
-  EffectivenessLearning(const Setup<S>& setup, const Params& params) noexcept
+  IterativeLearningLoop(const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         dt_(setup.dt),
         params_(params),

@@ -17,7 +17,7 @@
 namespace gyrostat {
 
 /// Gains of the learning law and the step that it is sampled with.
-struct LearningRecursion {
+struct LearningErrorLoop {
   double M, k1, k2, k3;
   double step;  ///< s, from one update of e to the next
   int delay;    ///< steps that the memory looks back, 1 ... max_delay

@@ -4,7 +4,7 @@
 ///   what[k+1] = what + dt J^-1 ( -what x (J what + D h_w) + D u + learnt + K1 e + theta1 sat(e / width) ),   e = w - what
 ///   learnt[k] = theta2 learnt[k-n] + K2 (sigma1 e[k-n] + sigma2 e[k])
 ///
-/// Source: Wang, Jia, Yu 2023, eq. (5)-(6), with an optional layer and clamp. Page: docs/components/mixed_learning.md
+/// Source: Wang, Jia, Yu 2023, eq. (5)-(6), with an optional layer and clamp. Page: docs/components/mixed_learning_disturbance.md
 #pragma once
 #include <Eigen/LU>
 #include <limits>
@@ -19,10 +19,10 @@ namespace gyrostat {
 /// u is the issued command, so that a limit of the actuators is not learnt as a fault. All that the nominal model does not
 /// explain comes out in d_B; the effectiveness stays one.
 template <class S>
-class MixedLearningObserver {
+class MixedLearningDisturbanceObserver {
  public:
   using Scalar = S;
-  static constexpr const char* name = "mixed_learning";
+  static constexpr const char* name = "mixed_learning_disturbance";
   static constexpr Estimates estimates{.d_B = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;  ///< the sign term, when there is one
@@ -79,7 +79,7 @@ class MixedLearningObserver {
     return needs_body_coordinates(setup) && learning_loop_is_stable(setup, p.K1, p.slope(), p.learning());
   }
 
-  MixedLearningObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
+  MixedLearningDisturbanceObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : vehicle_(setup.vehicle),
         dt_(setup.dt),
         params_(params),

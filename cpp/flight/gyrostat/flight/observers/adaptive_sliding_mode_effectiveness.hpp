@@ -6,7 +6,7 @@
 ///   issued: clipped to [e_min, 1], the rest in d_B
 ///
 /// The standard form; it stands in for the observer that Cao, Gong, Han 2022 compare with and give no equations of.
-/// Page: docs/components/adaptive_sliding_mode.md
+/// Page: docs/components/adaptive_sliding_mode_effectiveness.md
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -22,10 +22,10 @@
 namespace gyrostat {
 
 template <class S>
-class AdaptiveSlidingMode {
+class AdaptiveSlidingModeEffectivenessObserver {
  public:
   using Scalar = S;
-  static constexpr const char* name = "adaptive_sliding_mode";
+  static constexpr const char* name = "adaptive_sliding_mode_effectiveness";
   static constexpr Estimates estimates{.d_B = true, .effectiveness = true};
   static constexpr bool axiswise = true;
   static constexpr bool switching = true;
@@ -85,7 +85,7 @@ class AdaptiveSlidingMode {
                               unstable);
   }
 
-  AdaptiveSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
+  AdaptiveSlidingModeEffectivenessObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : dt_(setup.dt), params_(params), predict_(setup) {
     effectiveness_.setOnes(setup.vehicle.actuators());
   }
