@@ -77,7 +77,7 @@ def test_samples_and_labels_are_those_of_the_flights(campaign: gs.Campaign, fold
 def test_a_leak_is_as_severe_as_the_thrust_that_leaks(tmp_path: Path) -> None:
     leak = {"type": "leak", "actuator": 3, "t_on": 2.0, "fraction": 0.3}
     scenario = gs.Scenario.load("twelve_thrusters").replace(duration=5.0, faults=[leak])
-    (row,) = labels(dataset.make(scenario, 1, tmp_path / "set"))
+    (row,) = labels(dataset.make(gs.Campaign(scenario), 1, tmp_path / "set"))
     assert (row["kind"], row["actuator"], row["severity"]) == ("leak", 3, 0.3)
 
 
