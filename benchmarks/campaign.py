@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Flights of a campaign a second, into a folder, against the same flights of `Experiment` and against Basilisk's.
+"""CPU time of the flights of a campaign, into a folder, against the bare loop and against Basilisk's.
 
 The case: 200 s at 100 Hz, Runge-Kutta, four wheels, two faults, gyro and attitude noise, finite-time observer, integral
-sliding mode, pseudo-inverse, four measures. Where `bsk` is installed, its own Monte Carlo facility flies its plain
-closed loop in the same run, in two processes and in one. Then the highest memory of processes that fly up to 10^5
-short flights. ``python benchmarks/campaign.py [RUNS]``
+sliding mode, pseudo-inverse, four measures. Taken in turns, five times each: `Experiment`, the campaign, both on one
+thread and on two, and, where it is built (``cmake --build --preset bench -t bench_experiment``), the bare C++ loop.
+Where `bsk` is installed, its own Monte Carlo facility flies its plain closed loop in the same run, in two processes and
+in one. Then the highest memory of processes that fly up to 10^5 short flights. ``python benchmarks/campaign.py [RUNS]``
 """
 
 from __future__ import annotations
@@ -14,12 +15,17 @@ import resource
 import subprocess
 import sys
 import tempfile
-import time
+from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
+from statistics import median
 
 import gyrostat as gs
 from gyrostat.campaign import dist
+
+BENCH = Path(__file__).parents[1] / "build" / "bench" / "benchmarks" / "bench_experiment"
+ROUNDS = 5
 
 
 def case() -> gs.Campaign:
@@ -71,34 +77,55 @@ def basilisk(processes: int) -> float:
     return float(json.loads(done.stdout.splitlines()[-1])["cpu"])
 
 
+def bare() -> float:
+    """CPU seconds of a flight of the C++ loop around the same objects, without metrics."""
+    command = [str(BENCH), "--benchmark_filter=^bare/campaign$", "--benchmark_format=json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return 1e-6 * float(json.loads(done.stdout)["benchmarks"][0]["cpu_time"])
+
+
 def main() -> None:
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 400
-    campaign = case()
+    campaign, share = case(), -(-runs // ROUNDS)
     cell = campaign.cells[""]
-    values = campaign.drawn(campaign.points(0, runs)).values
+    values = campaign.drawn(campaign.points(0, share)).values
     _into_a_folder(campaign, 1, 1)  # loads PyArrow
-    print("flights of the case                       a second   CPU ms a flight")
-    used = 0.0
+    ways: dict[str, Callable[[], float]] = {}
     for jobs in (1, 2):
-        for name, fly in (
-            ("experiment", lambda jobs: cell.experiment.fly(values, threads=jobs)),
-            ("campaign, into a folder", lambda jobs: _into_a_folder(campaign, runs, jobs)),
-        ):
-            cpu, started = _cpu(), time.monotonic()
-            fly(jobs)
-            passed, used = time.monotonic() - started, (_cpu() - cpu) / runs
-            print(f"{name:26} {jobs} threads {runs / passed:12.0f} {1000 * used:17.1f}")
+        ways[f"experiment, {jobs} threads"] = _timed(partial(cell.experiment.fly, values, threads=jobs), share)
+        ways[f"campaign, {jobs} threads"] = _timed(partial(_into_a_folder, campaign, share, jobs), share)
+    if BENCH.exists():
+        ways["bare loop"] = bare
+    used: dict[str, list[float]] = {name: [] for name in ways}
+    for _ in range(ROUNDS):
+        for name, fly in ways.items():
+            used[name].append(fly())
+    one = median(used["campaign, 1 threads"])
+    print("CPU of a flight                  ms   of the campaign's")
+    for name, seconds in used.items():
+        print(f"{name:24} {1000 * median(seconds):11.2f} {median(seconds) / one:10.3f}", flush=True)
     if find_spec("Basilisk") is None:
         print("Basilisk: not installed", file=sys.stderr)
     else:
         for processes in (2, 1):
             theirs = basilisk(processes)
-            print(f"Basilisk, plain loop, {processes} processes {1000 * theirs:25.1f}, {theirs / used:.0f} times that")
+            print(f"Basilisk, {processes} processes {1000 * theirs:16.2f} {theirs / one:10.1f}", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         for count in (1_000, 10_000, 100_000):
             print(
                 f"highest memory, {count:7d} runs: {memory(count, str(Path(folder) / str(count))):6.0f} MB", flush=True
             )
+
+
+def _timed(fly: Callable[[], object], flights: int) -> Callable[[], float]:
+    """CPU seconds of one of so many flights."""
+
+    def timed() -> float:
+        before = _cpu()
+        fly()
+        return (_cpu() - before) / flights
+
+    return timed
 
 
 def _into_a_folder(campaign: gs.Campaign, runs: int, jobs: int) -> None:

@@ -20,10 +20,17 @@ Table scenario(const char* stack, double dt) {
     s.set("controller", Table{{"type", "integral_sliding_mode"}});
     s.set("allocator", Table{{"type", "lexicographic"}});
   }
+  if (std::string(stack) == "campaign") {  // as in campaign.py
+    s.set("observer", Table{{"type", "finite_time_disturbance"}});
+    s.set("controller", Table{{"type", "integral_sliding_mode"}});
+    s.set("sensors", List{Table{{"type", "gyro"}, {"noise", 1e-6}}, Table{{"type", "attitude"}, {"noise", 1e-5}}});
+    s.find("faults")->as<List>()->push_back(
+        Table{{"type", "loss_of_effectiveness"}, {"actuator", 1}, {"t_on", 70.0}, {"remaining", 0.5}});
+  }
   return s;
 }
 
-Table measures() {
+Table measures(const char* stack) {
   const auto of = [](const char* metric, const char* signal) { return Table{{"metric", metric}, {"signal", signal}}; };
   Table settling = of("settling_time", "error.angle"), rms = of("window_rms", "error.angle"),
         peak = of("window_max", "error.angle"), full = of("fraction_at_least", "allocation.u");
@@ -31,6 +38,12 @@ Table measures() {
   rms.set("last", 20.0);
   peak.set("t0", "last_fault");
   full.set("level", 0.2);
+  if (std::string(stack) == "campaign") {
+    Table final = of("window_max", "error.angle");
+    settling.set("after", "last_fault");
+    final.set("last", 5.0);
+    return {{"settling", settling}, {"final", final}, {"peak", peak}, {"energy", of("energy", "allocation.u")}};
+  }
   return {
       {"settling", settling}, {"rms", rms}, {"peak", peak}, {"energy", of("energy", "allocation.u")}, {"full", full}};
 }
@@ -49,7 +62,7 @@ void bare(benchmark::State& state, const char* stack, double dt) {
 
 void flights(benchmark::State& state, const char* stack, double dt, bool measured, unsigned threads) {
   const host::Experiment e(scenario(stack, dt), {"faults.0.remaining", "initial.omega_BN_B"},
-                           measured ? measures() : Table{});
+                           measured ? measures(stack) : Table{});
   constexpr std::size_t n = 32;
   std::vector<double> values;
   for (std::size_t i = 0; i < n; ++i) {
@@ -74,7 +87,7 @@ void reading(benchmark::State& state, const char* stack) {
 void memory(benchmark::State& state) {
   Table s = scenario("ftc", 0.1);
   s.set("duration", 10.0);
-  Table m = measures();
+  Table m = measures("ftc");
   m.find("rms")->as<Table>()->set("last", 2.0);
   const host::Experiment e(s, {"faults.0.remaining"}, m);
   const std::vector<double> values(static_cast<std::size_t>(state.range(0)), 0.4);
@@ -91,6 +104,8 @@ BENCHMARK_CAPTURE(flights, ftc_100_hz_unmeasured, "ftc", 0.01, false, 1)
     ->MeasureProcessCPUTime();
 BENCHMARK_CAPTURE(flights, ftc_100_hz, "ftc", 0.01, true, 1)->Unit(benchmark::kMicrosecond)->MeasureProcessCPUTime();
 BENCHMARK_CAPTURE(flights, ftc_100_hz_two_threads, "ftc", 0.01, true, 2)->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(bare, campaign, "campaign", 0.01)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(flights, campaign, "campaign", 0.01, true, 1)->Unit(benchmark::kMicrosecond)->MeasureProcessCPUTime();
 BENCHMARK_CAPTURE(bare, ftc_10_hz, "ftc", 0.1)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(flights, ftc_10_hz, "ftc", 0.1, true, 1)->Unit(benchmark::kMicrosecond)->MeasureProcessCPUTime();
 BENCHMARK_CAPTURE(bare, learning_100_hz, "learning", 0.01)->Unit(benchmark::kMicrosecond);

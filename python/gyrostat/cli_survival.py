@@ -52,7 +52,7 @@ def survive(
     Examples: `gyrostat survive wheel2_degraded --stacks five_stacks --out map`,
     `gyrostat survive my.toml --kind dead --kind lock --second --out pairs`
     """
-    from gyrostat.survival import KINDS
+    from gyrostat.survival import KINDS, NONE
     from gyrostat.survival import survive as fly
 
     base = Scenario.load(scenario)
@@ -75,6 +75,10 @@ def survive(
         rows = rows or [("stack", *counts)]
         rows.append((stack or scenario, *(str(n) for n in counts.values())))
     printing.columns(rows)
+    for case in found.cases:
+        if case.first.kind == NONE and not case.verdict.startswith("saved"):
+            whose = case.stack or scenario
+            typer.echo(f"{whose}: is lost without a fault, too: {case.error:.3g} rad of --limit {limit:g}", err=True)
     typer.echo(f"needed in every direction: {found.needed:.3g} N m; {', '.join(str(p) for p in paths)}")
 
 

@@ -351,6 +351,8 @@ def _severity(fault: Mapping[str, Any], u_max: float) -> float:
     """Share of the effectiveness that is lost, or of the limit that is added; 1 of what has no size."""
     if "remaining" in fault:
         return 1.0 - float(fault["remaining"])
+    if "fraction" in fault:
+        return float(fault["fraction"])
     return abs(float(fault["torque"])) / u_max if "torque" in fault else 1.0
 
 

@@ -24,7 +24,7 @@ from gyrostat.errors import InputError, input_errors, suggestion
 from gyrostat.experiment import Experiment
 from gyrostat.files import replacing, write_text
 from gyrostat.scenario import Scenario
-from gyrostat.vehicle import all_actuators
+from gyrostat.vehicle import Thrusters, all_actuators
 
 Verdict = Literal["saved", "lost though possible", "impossible", "saved though impossible"]
 VERDICTS: tuple[Verdict, ...] = ("saved", "lost though possible", "impossible", "saved though impossible")
@@ -34,13 +34,17 @@ COLORS = ("#2b8a3e", "#e8890c", "#868e96", "#0b6bcb")
 _severity_of: dict[str, str | None] = {
     "loss_of_effectiveness": "remaining",
     "bias": "torque",
+    "leak": "fraction",
     "stuck": "torque",
     "hard_over": None,
     "dead": None,
     "lock": None,
 }
 KINDS = tuple(_severity_of)
-"""Kinds of faults, the severity of which is a share: of the effectiveness that is lost, or of the actuator's limit."""
+"""Kinds of faults, the severity of which is a share: of the effectiveness that is lost, or of the actuator's limit.
+
+Thrusters leak where other actuators have a bias.
+"""
 SEVERITIES = (0.2, 0.4, 0.6, 0.8, 1.0)
 NONE = "none"
 
@@ -64,7 +68,11 @@ class Strike:
     def table(self, u_max: NDArray[np.float64], t_on: float) -> dict[str, Any]:
         """As it stands in a scenario."""
         parameter = _severity_of[self.kind]
-        size = 1.0 - self.severity if parameter == "remaining" else self.severity * float(u_max[self.actuator])
+        size = self.severity
+        if parameter == "remaining":
+            size = 1.0 - size
+        elif parameter == "torque":
+            size *= float(u_max[self.actuator])
         return {"type": self.kind, "actuator": self.actuator, "t_on": t_on} | ({parameter: size} if parameter else {})
 
 
@@ -198,7 +206,8 @@ def survive(
     stacks
         By label: what each sets in the scenario, or a whole scenario; the scenario's own if absent.
     kinds, severities
-        Of the faults; severities from 0 to 1. `dead`, `lock` and `hard_over` have one.
+        Of the faults; severities from 0 to 1. `dead`, `lock` and `hard_over` have one. A thruster has no `bias`, and
+        it alone may `leak`.
     second
         Let every other actuator fail too, after a further fifth of the flight.
     limit
@@ -240,7 +249,9 @@ def survive(
                 raise InputError("survive: an actuator without limit can give any torque; write vehicle.u_max")
     u_max = np.broadcast_to(np.asarray(all_actuators(scenario.resolve())["u_max"], float), n)
     needed = _disturbance(next(iter(flown.values()))) if torque is None else float(torque)
-    strikes = list(_strikes(kinds, severities, n))
+    strikes = list(_strikes(kinds, severities, n, n - _valves(scenario)))
+    if not strikes:
+        raise InputError(f"survive: no actuator can have {' or '.join(kinds)}")
     pairs = [(Strike(), Strike()), *((a, Strike()) for a in strikes)]
     if second:
         pairs += [(a, b) for a in strikes for b in strikes if a.actuator != b.actuator]
@@ -261,9 +272,17 @@ def _check(kinds: Sequence[str], severities: Sequence[float], limit: float, torq
         raise InputError("survive: limit must be above 0 rad, torque 0 N m or more")
 
 
-def _strikes(kinds: Sequence[str], severities: Sequence[float], actuators: int) -> Iterator[Strike]:
+def _valves(scenario: Scenario) -> int:
+    """Thrusters; they stand behind all other actuators."""
+    given = scenario.resolve().get("thrusters")
+    return Thrusters(**given).torque.size if given else 0
+
+
+def _strikes(kinds: Sequence[str], severities: Sequence[float], actuators: int, valve: int) -> Iterator[Strike]:
+    """Of each actuator what it can have; from `valve` on they are thrusters."""
     for kind in dict.fromkeys(kinds):
-        for actuator in range(actuators):
+        who = {"bias": range(valve), "leak": range(valve, actuators)}.get(kind, range(actuators))
+        for actuator in who:
             for severity in sorted(set(severities)) if _severity_of[kind] else (1.0,):
                 yield Strike(kind, actuator, float(severity))
 

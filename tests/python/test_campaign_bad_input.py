@@ -209,6 +209,8 @@ def test_another_campaign_is_refused_with_the_key_that_differs(tmp_path: Path) -
         ({"runs": 2.5}, "runs = 2.5"),
         ({"jobs": 0}, "jobs = 0"),
         ({"chunk": 0}, "chunk = 0"),
+        ({"only": "0:10"}, "only = '0:10': two numbers of chunks"),
+        ({"only": (0.0, 1.0)}, "chunks = 0.0"),
         ({"only": (1, 2), "chunk": 100}, "10 runs are chunks 0:1 of 100"),
         ({"scheduler": "tcp://127.0.0.1:1"}, "--scheduler"),
     ],
@@ -218,6 +220,14 @@ def test_arguments_are_checked_before_anything_flies(tmp_path: Path, arguments: 
         gs.Campaign.from_dict(GOOD).run(**{"runs": 10, "out": tmp_path / "out", **arguments})
     assert expected in str(refusal.value)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "key", ["set", "vary", "correlated", "faults", "grids", "measure", "success", "margin", "keep"]
+)
+def test_what_is_no_table_is_refused(key: str) -> None:
+    with pytest.raises(gs.InputError, match=key.removesuffix("s") if key in ("faults", "grids") else key):
+        gs.Campaign("wheel2_degraded", **{key: 3})
 
 
 def gyrostat(*arguments: Any) -> subprocess.CompletedProcess[str]:

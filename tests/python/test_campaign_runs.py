@@ -543,6 +543,15 @@ def test_a_damaged_part_is_named_and_flown_again(tmp_path: Path, what: str, runs
     assert again.table_hash == campaign().run(runs, out=tmp_path / "one").table_hash
 
 
+def test_a_damaged_part_is_not_joined(tmp_path: Path) -> None:
+    part = campaign().run(20, out=tmp_path / "out").parts()[0].path
+    part.write_bytes(part.read_bytes()[:200])
+    for new in (None, tmp_path / "new"):
+        with pytest.raises(gs.InputError, match=r"part-0-20\.parquet: is not what was written"):
+            join([tmp_path / "out"], new)
+    assert not (tmp_path / "new").exists()
+
+
 def test_behind_a_damaged_part_a_shorter_one_is_taken(tmp_path: Path) -> None:
     campaign().run(40, out=tmp_path / "short", chunk=20)
     found = campaign().run(40, out=tmp_path / "out", chunk=40)

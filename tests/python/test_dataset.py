@@ -74,6 +74,13 @@ def test_samples_and_labels_are_those_of_the_flights(campaign: gs.Campaign, fold
             assert row["severity"] == pytest.approx(lost, rel=1e-12)
 
 
+def test_a_leak_is_as_severe_as_the_thrust_that_leaks(tmp_path: Path) -> None:
+    leak = {"type": "leak", "actuator": 3, "t_on": 2.0, "fraction": 0.3}
+    scenario = gs.Scenario.load("twelve_thrusters").replace(duration=5.0, faults=[leak])
+    (row,) = labels(dataset.make(gs.Campaign(scenario), 1, tmp_path / "set"))
+    assert (row["kind"], row["actuator"], row["severity"]) == ("leak", 3, 0.3)
+
+
 def test_one_seed_makes_the_same_set(campaign: gs.Campaign, folder: Path, tmp_path: Path) -> None:
     again = dataset.make(campaign, RUNS, tmp_path / "again")
     for name in ("samples.parquet", "labels.parquet", "flights.parquet", "dataset.json"):

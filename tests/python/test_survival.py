@@ -50,6 +50,16 @@ def test_obvious_cases(singles: Survival) -> None:
     assert all(c.status == "completed" and c.error > singles.limit for c in idle)
 
 
+def test_each_actuator_has_the_faults_that_it_can_have(scenario: gs.Scenario) -> None:
+    thrusters = gs.Scenario.load("twelve_thrusters").replace(duration=20.0)
+    found = survive(thrusters, kinds=["bias", "leak"], severities=[1.0])
+    assert [(c.first.kind, c.first.actuator) for c in found.cases[1:]] == [("leak", i) for i in range(12)]
+    # two turn the vehicle each way about each axis: one that never closes takes its torque from the two against it
+    assert {round(c.torque / found.cases[0].torque, 9) for c in found.cases[1:]} == {0.5}
+    with pytest.raises(gs.InputError, match="no actuator can have leak"):
+        survive(scenario, kinds=["leak"])
+
+
 def test_the_torque_left_is_that_of_the_attainable_set(singles: Survival) -> None:
     for case in singles.cases:
         if case.first.kind == "hard_over":

@@ -114,14 +114,16 @@ class Campaign:
             "replicates": replicates,
             "points": points,
             "vary": vary,
-            "correlated": [_table(c) for c in correlated],
-            "fault": [_table(f) for f in faults],
-            "grid": [_table(g) for g in grids],
-            "measure": None if measure is None else {k: _table(m) for k, m in measure.items()},
-            "success": None if success is None else {k: _table(c) for k, c in success.items()},
-            "margin": None if margin is None else _table(margin),
-            "keep": None if keep is None else _table(keep),
+            "correlated": _table(correlated),
+            "fault": _table(faults),
+            "grid": _table(grids),
+            "measure": _table(measure),
+            "success": _table(success),
+            "margin": _table(margin),
+            "keep": _table(keep),
         }
+        if set is not None and not isinstance(set, Mapping):
+            raise InputError(f"set = {shown(set)}: a table belongs here")
         self._given = base, dict(set or {})
         self.spec = Spec(**{key: value for key, value in given.items() if value is not None})
         self.base = _scenario(base, dict(set or {})).replace(seed=self.spec.seed)
@@ -450,10 +452,12 @@ def _scenario(base: Any, changes: Mapping[str, Any]) -> Scenario:
 
 
 def _table(value: Any) -> Any:
-    """What a model reads: of a model, its table."""
+    """What a model reads: of models in it, their tables."""
     if isinstance(value, Model):
         return value.model_dump(exclude_none=True)
-    return dict(value) if isinstance(value, Mapping) else value
+    if isinstance(value, Mapping):
+        return {key: _table(v) for key, v in value.items()}
+    return [_table(v) for v in value] if isinstance(value, list | tuple) else value
 
 
 def _plain(value: Any) -> Any:

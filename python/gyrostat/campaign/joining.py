@@ -18,7 +18,7 @@ def join(folders: Sequence[str | Path], out: str | Path | None = None) -> Campai
     Raises
     ------
     InputError
-        Another identity, with the first key that differs, or runs that are in none of them.
+        Another identity, with the first key that differs, runs that are in none of them, or a damaged part.
     """
     if not folders:
         raise InputError("which folders?")
@@ -30,6 +30,8 @@ def join(folders: Sequence[str | Path], out: str | Path | None = None) -> Campai
             raise InputError(f"{other.folder}: holds another campaign than {first.folder}; {why}")
     runs = max(int(result.manifest["runs"]) for result in results)
     parts = _cover([part for result in results for part in result.parts()], runs)
+    for part in parts:
+        Store(part.path.parents[1]).data(part)
     if out is None:
         return None
     target = Store(Path(out))

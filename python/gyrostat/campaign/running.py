@@ -17,6 +17,7 @@ from gyrostat.campaign.results import CampaignResult
 from gyrostat.campaign.store import FORMAT, Part, Store, first_difference
 from gyrostat.errors import InputError
 from gyrostat.files import made_folder
+from gyrostat.text import shown
 
 if TYPE_CHECKING:
     from gyrostat.campaign.campaign import Campaign
@@ -86,7 +87,7 @@ def run(
     progress: Callable[[State], None] | None = None,
 ) -> CampaignResult:
     """See `Campaign.run`."""
-    whole("runs", runs, least=1)
+    runs = whole("runs", runs, least=1)
     if jobs is not None:
         whole("jobs", jobs, least=1)
     campaign = campaign.with_points(runs)
@@ -157,7 +158,7 @@ def _chunks(campaign: Campaign, missing: list[tuple[int, int]], how: _Started, t
 
 def _manifest(campaign: Campaign, runs: int, chunk: int | None, known: dict[str, Any] | None) -> dict[str, Any]:
     if chunk is not None:
-        whole("chunk", chunk, least=1)
+        chunk = whole("chunk", chunk, least=1)
     told = resolved(campaign)
     return {
         "format": FORMAT,
@@ -197,7 +198,9 @@ def _within_design(campaign: Campaign, runs: int) -> None:
 
 
 def _only(only: tuple[int, int], size: int, runs: int) -> tuple[int, int]:
-    a, b = only
+    if len(list(only)) != 2:
+        raise InputError(f"only = {shown(only)}: two numbers of chunks, (first, end), belong here")
+    a, b = (whole("chunks", x) for x in only)
     count = -(-runs // size)
     if not 0 <= a < b or a >= count:
         raise InputError(f"chunks {a}:{b}: {runs} runs are chunks 0:{count} of {size}; a part of these belongs here")

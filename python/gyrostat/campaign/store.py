@@ -164,7 +164,7 @@ class Store:
             seen.update(new)  # a shorter part may stand behind a damaged one
             for part in new:
                 try:
-                    self._data(part)
+                    self.data(part)
                 except DamagedError:
                     found.append(part)
         return found
@@ -225,13 +225,19 @@ class Store:
 
     def read(self, part: Part, columns: Sequence[str] | None = None) -> Any:
         """The rows of a part."""
-        with pq.ParquetFile(pa.BufferReader(self._data(part)), page_checksum_verification=True) as file:
+        with pq.ParquetFile(pa.BufferReader(self.data(part)), page_checksum_verification=True) as file:
             if columns is not None and (unknown := set(columns) - set(file.schema_arrow.names)):
                 raise InputError(f"{part.path}: has no column '{min(unknown)}'")
             return file.read(columns=None if columns is None else list(columns))
 
-    def _data(self, part: Part) -> bytes:
-        """The file of a part, as it was written."""
+    def data(self, part: Part) -> bytes:
+        """The file of a part, as it was written.
+
+        Raises
+        ------
+        DamagedError
+            It is not.
+        """
         with file_errors(part.path, "cannot be read"):
             data = part.path.read_bytes()
         if sha256(data).hexdigest() != self._told(part)["part"]:
