@@ -102,10 +102,11 @@ def first_scenario(vehicle: str = "ftc_4rw") -> str:
     Parameters
     ----------
     vehicle
-        As `vehicle_called` takes it. With other actuators than wheels its scenario as shipped.
+        As `vehicle_called` takes it. With other actuators than wheels, or an observer of its own, its scenario as
+        shipped.
     """
     vehicle = vehicle_called(vehicle)
-    if not has_wheels_alone(vehicles()[vehicle]):
+    if not has_wheels_alone(vehicles()[vehicle]) or vehicles()[vehicle].observer is not None:
         return like(vehicle)
     given = vehicles()[vehicle].to_dict()
     most = float(np.max(np.asarray(given["vehicle"]["u_max"])))

@@ -427,6 +427,25 @@ def twelve_thrusters() -> tuple[Vehicle, Thrusters]:
     return Vehicle(J_B=(120.0, 100.0, 110.0)), thrusters
 
 
+def geo_thrusters() -> tuple[Vehicle, Thrusters]:
+    """A geostationary body of 3200, 900, 3000 kg m^2, and twelve thrusters of 5 N in pairs about each axis, 1.2 m out.
+
+    They stand around a point off the centre of mass: a pair turns, and pushes a little.
+    """
+    _, smaller = twelve_thrusters()
+    thrusters = smaller.model_copy(
+        update={
+            "positions": tuple(tuple(1.5 * x for x in row) for row in smaller.positions),
+            "centre_of_mass": (0.02, -0.03, 0.05),
+            "thrust": 5.0,
+            "tick": 0.005,
+            "Isp": 285.0,
+            "propellant_mass": 20.0,
+        }
+    )
+    return Vehicle(J_B=((3200.0, 20.0, -15.0), (20.0, 900.0, 10.0), (-15.0, 10.0, 3000.0))), thrusters
+
+
 def cmg4(
     *, J_B: Matrix | Vector = (120.0, 100.0, 120.0), rotor_momentum: float = 20.0, rate_max: float = 1.0
 ) -> tuple[Vehicle, ControlMomentGyros]:

@@ -152,6 +152,39 @@ def test_energy_and_momentum_are_kept_as_damping_says() -> None:
     np.testing.assert_allclose(in_space, np.broadcast_to(in_space[0], in_space.shape), atol=1e-9)
 
 
+def test_rk4_loses_little_energy_and_momentum() -> None:
+    undamped = START.model_copy(update={"xi": (0.0,) * 4})
+    flown = free(flexible=undamped, integrator={"type": "rk4", "substeps": 8}).run(channels=CHANNELS)
+    assert energy(flown)[-1] / energy(flown)[0] - 1.0 == pytest.approx(-1.8e-6 / 0.469, rel=0.1)  # steps of 1/16 s
+    H = flown["truth.omega_BN_B"] @ J + flown["truth.eta_rate"] @ np.array(MODES.delta)
+    in_space = np.array([C(q).T @ h for q, h in zip(flown["truth.q_NB"], H, strict=True)])
+    assert np.abs(in_space - in_space[0]).max() < 1e-8
+
+
+def test_rows_of_delta_are_modes_and_not_axes() -> None:
+    """With three modes the wrong way round would fit as well, and is another vehicle."""
+    three = gs.Flexible(delta=MODES.delta[:3], omega=MODES.omega[:3])
+    other = three.model_copy(update={"delta": tuple(map(tuple, np.array(MODES.delta)[:3].T.tolist()))})
+    one, two = (free(flexible=f, integrator="rk4").compiled.free_frequencies() for f in (three, other))
+    scaled = np.array(MODES.delta)[:3]
+    square = np.linalg.inv(np.eye(3) - scaled @ np.linalg.solve(J, scaled.T)) @ np.diag(np.array(MODES.omega[:3]) ** 2)
+    np.testing.assert_allclose(np.sort(one), np.sort(np.sqrt(np.linalg.eigvals(square).real)), rtol=1e-9)
+    assert np.abs(np.array(one) - two).max() > 1e-3
+
+
+def test_a_torque_from_rest_bends_a_mode_by_twice_its_static_deflection_at_most() -> None:
+    torque = np.array([0.3, -0.2, 0.4])
+    rest = MODES.model_copy(update={"xi": (0.0,) * 4})
+    pushed = free(
+        flexible=rest, initial={}, disturbances=[gs.disturbances.Constant(torque_B=torque)], integrator="rk4", dt=0.1
+    ).run(channels=CHANNELS)
+    static = np.abs(np.array(MODES.delta) @ np.linalg.solve(J, torque)) / np.array(MODES.omega) ** 2
+    largest = np.abs(pushed["truth.eta"]).max(axis=0)
+    # of clamped modes; coupling through the body moves energy between them, most into the softest
+    assert (largest < 2.4 * static.max()).all()
+    assert 1.2 < largest[0] / static[0] < 2.4
+
+
 def test_stiff_appendages_are_a_rigid_body_and_soft_ones_hang_on_none() -> None:
     still = MODES.model_copy(update={"eta": None, "eta_rate": None})
     precise = {"type": "cvode", "rtol": 1e-11, "atol": 1e-14}
@@ -274,6 +307,8 @@ def test_check_holds_the_bandwidth_against_the_modes() -> None:
     assert near.ok is None
     assert "the loop drives the mode" in near.text
     assert flexible.findings(scenario.replace(flexible=None)) == []
+    loose = MODES.model_copy(update={"delta": (*MODES.delta[:3], (0.0, 0.0, 0.0))})
+    assert "mode 3 is not coupled to the body" in {f.text for f in flexible.findings(scenario.replace(flexible=loose))}
     turning = scenario.replace(initial={"omega_BN_B": [0.3, 0.0, 0.0]})
     assert "initial rate" in {f.name for f in flexible.findings(turning)}
 

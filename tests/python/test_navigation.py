@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -62,6 +64,53 @@ def test_a_bias_under_faults_ends_at_the_pointing_of_a_gyro_without() -> None:
     healthy = flight(navigator=gs.navigator("mekf"), faults=[]).run(channels=CHANNELS)
     late = filtered.t > 60
     np.testing.assert_allclose(filtered["navigator.bias"][late], healthy["navigator.bias"][late], atol=2e-7)
+
+
+def farrenkopf(T: float, sigma: float, s_v: float, s_u: float) -> Callable[[float], float]:
+    """Steady attitude error of an axis at rest, rad, some time after the last fix; Farrenkopf 1978."""
+    Sv, Su = s_v * math.sqrt(T) / sigma, s_u * T**1.5 / sigma
+    g = math.sqrt(1.0 + Sv**2 / 4.0 + Su**2 / 48.0)
+    z = g + Su / 4.0 + 0.5 * math.sqrt(2.0 * g * Su + Sv**2 + Su**2 / 3.0)
+    attitude, mixed = sigma**2 * (1.0 - 1.0 / z**2), -s_u * math.sqrt(T) * sigma / z
+    bias = s_u * sigma * (z - 1.0 / z) / math.sqrt(T) - s_u**2 * T / 2.0
+    return lambda t: math.sqrt(attitude - 2.0 * t * mixed + t * t * bias + s_v**2 * t + s_u**2 * t**3 / 3.0)
+
+
+def test_its_errors_in_flight_are_those_of_farrenkopf_through_an_outage_too() -> None:
+    """Sensors of the truth, the compiled filter, the closed form: a body at rest, 80 flights with biases of their own."""
+    s_v, s_u, sigma, turn_on = 1e-5, 1e-7, 2e-5, 2e-3
+    rng = np.random.default_rng(0)
+    settled, silent, learnt = [], [], []
+    for run in range(80):
+        bias = turn_on * rng.normal(size=3)
+        flown = gs.Scenario(
+            vehicle=gs.vehicle.ftc_4rw(),
+            controller="open_loop",
+            navigator="mekf",
+            sensors=[
+                gs.sensors.Gyro(angle_random_walk=s_v, rate_random_walk=s_u, bias=bias.tolist()),
+                gs.sensors.StarTracker(noise=[sigma] * 3, every=10, blind=[[200.1, 230.1]]),
+            ],
+            integrator="rk4",
+            duration=230.0,
+            dt=0.05,
+            run_number=run,
+        ).run(channels=["navigator.bias", "navigator.fix", "estimate.q_NB", "truth.q_NB"])
+        p, q = flown["estimate.q_NB"], flown["truth.q_NB"]
+        error = 2.0 * (p[:, :1] * q[:, 1:] - q[:, :1] * p[:, 1:] - np.cross(p[:, 1:], q[:, 1:]))
+        error *= np.sign(np.sum(p * q, axis=1))[:, None]
+        used = (flown["navigator.fix"].ravel() == 2) & (flown.t > 60.0) & (flown.t <= 200.0)
+        settled.append(error[used])
+        silent.append([error[np.searchsorted(flown.t, 200.0 + t - 1e-6)] for t in (5.0, 10.0, 30.0)])
+        learnt.append([flown["navigator.bias"][np.searchsorted(flown.t, t - 1e-6)] - bias for t in (5.0, 10.0, 40.0)])
+    known = farrenkopf(0.5, sigma, s_v, s_u)
+    assert known(5.0) == pytest.approx(2.56e-5, rel=2e-3)
+    assert known(30.0) == pytest.approx(6.47e-5, rel=2e-3)
+    assert np.sqrt(np.mean(np.concatenate(settled) ** 2)) / known(0.0) == pytest.approx(1.0, abs=0.02)
+    outage = np.sqrt(np.mean(np.square(silent), axis=(0, 2)))
+    # 240 numbers each: 4.6 %, three sigma
+    np.testing.assert_allclose(outage / [known(t) for t in (5.0, 10.0, 30.0)], 1.0, atol=0.15)
+    assert (np.sqrt(np.mean(np.square(learnt), axis=(0, 2))) < [2.5e-5, 1e-5, 3e-6]).all()
 
 
 def test_what_is_not_given_is_taken_from_the_sensors() -> None:
