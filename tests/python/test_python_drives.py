@@ -99,14 +99,30 @@ def with_everything(**changes: Any) -> gs.Scenario:
     return base.replace(**changes)
 
 
+def on_gimbals(**changes: Any) -> gs.Scenario:
+    return gs.Scenario.load("agile_cmg").replace(duration=20.0, **changes)
+
+
+def that_bends(**changes: Any) -> gs.Scenario:
+    return gs.Scenario.load("smallsat_flexible").replace(duration=40.0, **changes)
+
+
+def beside_valves(**changes: Any) -> gs.Scenario:
+    """Wheels in front of thrusters, one of which leaks."""
+    leak = gs.faults.Leak(actuator=5, fraction=0.01, t_on=2.0)
+    valves = {**gs.vehicle.twelve_thrusters()[1].to_dict(), "tick": 0.05 / 32}
+    return scenario(thrusters=valves, faults=[leak], allocator="weighted_least_squares", **changes)
+
+
 INTEGRATORS = pytest.mark.parametrize("integrator", ["rk4", "cvode", "auto"])
 
 
 @INTEGRATORS
-@pytest.mark.parametrize("of", [scenario, torquers, tiny, with_everything])
+@pytest.mark.parametrize("of", [scenario, torquers, tiny, with_everything, on_gimbals, that_bends, beside_valves])
 def test_an_ideal_one_is_the_native_one_to_the_bit(of: Any, integrator: str) -> None:
     native = of(integrator=integrator)
-    driven = native.replace(drives={i: Ideal() for i in (0, 1, 3, 4) if i < native.actuators})
+    without_valves = native.actuators - (0 if native.thrusters is None else native.thrusters.torque.size)
+    driven = native.replace(drives={i: Ideal() for i in (0, 1, 3, 4) if i < without_valves})
     expected, flown = native.run(channels=TRUTH), driven.run(channels=TRUTH)
     assert expected.completed
     assert np.abs(expected["truth.delivered"]).max() > 0

@@ -265,6 +265,22 @@ def test_the_cycle_against_a_torque_burns_what_holding_it_takes(cycles: Any, stu
     assert swing < 1.01 * (flown.high - flown.low) < 1.05 * (swing + cycles.DT * step)
 
 
+def test_a_remainder_that_is_carried_on_costs_more_than_it_is_worth(cycles: Any) -> None:
+    """docs/thrusters.md: why the stack carries none; a law that wants it has all it needs."""
+
+    class Carrying(cycles.Law):  # type: ignore[misc]
+        def step(self, x: gs.Estimate, *others: Any) -> Any:
+            last, smallest = others[-1], 2.0 * cycles.THRUST * cycles.LEVER * cycles.MIN_ON * cycles.TICK / cycles.DT
+            return super().step(x) + np.clip(last.demand_B - last.achieved_B, -smallest, smallest)
+
+    free, carried = cycles.fly(0.0, False, 3e-4), cycles.fly(0.0, False, 3e-4, law=Carrying())
+    assert carried.high - carried.low < 0.2 * (free.high - free.low)
+    assert carried.propellant > 10.0 * free.propellant
+    held = cycles.fly(5e-3, False, 0.0, law=Carrying())
+    assert held.propellant > 1.2 * cycles.burnt(5e-3)
+    assert held.high - held.low > 7.2e-4, "that of the cycle without"
+
+
 def test_the_table_of_limit_cycles_was_flown(cycles: Any) -> None:
     written = "\n".join(line for line in cycles.TABLE.read_text().splitlines() if not line.startswith("#"))
     for ours, theirs in zip(cycles.table().splitlines(), written.splitlines(), strict=True):
