@@ -17,7 +17,7 @@ CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.
 PACKAGE := CMakeLists.txt pyproject.toml docs/package.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp docs docs-serve headers asan asan-python python lint bench wheel release-check matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
+.PHONY: help run test cpp docs docs-serve headers asan asan-python python pytest types stubs-check lint bench wheel release-check matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
         debian-make-test debian-bench debian-embedded debian-fuzz debian-docs
 
 help:  ## this list
@@ -26,7 +26,11 @@ help:  ## this list
 run: debian-run $(VENV)/package.stamp  ## install what is missing, reproduce every paper, leave a report in out/report
 	@$(BIN)/gyrostat reproduce all --out $(OUT)
 
-test: debian-make-test lint cpp asan python embedded-short  ## the same set-up, then all tests, types, stubs and format
+# Compilers and pytest use every core themselves; what uses one runs beside them.
+test: debian-make-test  ## the same set-up, then all tests, types, stubs and format
+	@$(MAKE) -j2 cpp lint
+	@$(MAKE) asan $(VENV)/package.stamp
+	@$(MAKE) -j2 pytest types stubs-check embedded-short
 	@echo "all tests passed"
 
 cpp: debian-test  ## C++ libraries, optimised: the embedded contract, layers, an outside project
@@ -44,9 +48,15 @@ asan-python: debian-test $(VENV)/venv.stamp  ## the compiled Python module under
 	@$(STEP) build-asan-python cmake --build --preset asan-python
 	@$(STEP) asan-python scripts/sanitized $(BIN)/python tests/sanitized/bindings.py build/asan-python/bindings
 
-python: debian-test $(VENV)/package.stamp $(VENV)/test.stamp  ## Python tests, types and stubs
+python: pytest types stubs-check  ## Python tests, types and stubs
+
+pytest: debian-test $(VENV)/package.stamp $(VENV)/test.stamp
 	@$(STEP) pytest $(BIN)/pytest -n auto --dist loadfile
+
+types: $(VENV)/test.stamp
 	@$(STEP) mypy $(BIN)/mypy
+
+stubs-check: $(VENV)/package.stamp $(VENV)/test.stamp
 	@$(STEP) stubs scripts/stubs $(BIN) --check
 
 lint: $(VENV)/test.stamp  ## format and lint, nothing is changed

@@ -8,8 +8,9 @@ if(PROJECT_IS_TOP_LEVEL)
   find_program(GYROSTAT_CCACHE ccache)
   mark_as_advanced(GYROSTAT_CCACHE)
   if(GYROSTAT_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    # Without this sloppiness ccache refuses every file that uses a precompiled header.
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+    # Without this sloppiness ccache refuses every file that uses a precompiled header. It takes the headers of a file from the
+    # compiler's list of them (Ninja and Makefiles have one written), so that what is not found is not preprocessed first.
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_DEPEND=1
                                     CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} ${GYROSTAT_CCACHE})
   endif()
 endif()
