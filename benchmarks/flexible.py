@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What bending costs: a sample of `flexible_4` against one of the same vehicle without its four modes, under rk4.
 
-``python benchmarks/flexible.py`` prints microseconds of CPU a sample, the best of several flights of 40 000 samples taken
-in turn, and how often cvode was restarted over the commands and faults of the shipped flight.
+``python benchmarks/flexible.py`` prints microseconds of CPU a sample, the best of several flights of 40 000 samples
+taken in turn, and how often cvode was restarted over the commands and faults of the shipped flight.
 """
 
 from __future__ import annotations
@@ -34,9 +34,8 @@ def main() -> None:
         with_modes, without = (min(each) for each in zip(*pairs, strict=True))
         print(f"{substeps:<16}{with_modes:10.2f}{without:10.2f}{with_modes / without:8.2f}")
     restarts = shipped.replace(integrator="cvode").run(channels=["error.angle"]).statistics["restarts"]
-    print(
-        f"cvode over {shipped.duration / shipped.dt:.0f} commands and {len(shipped.faults)} faults: {restarts - 1} restarts"
-    )
+    commands, faults = round(shipped.duration / shipped.dt), len(shipped.faults)
+    print(f"cvode over {commands} commands and {faults} faults: {restarts - 1} restarts")
 
 
 if __name__ == "__main__":
