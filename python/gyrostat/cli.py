@@ -509,12 +509,16 @@ def _drawn(
 def design(
     name: Annotated[str | None, typer.Argument(help="A design; without one they are listed.")] = None,
     scenario: Annotated[
-        str | None, typer.Argument(help="A scenario that gives the inertia and the period; `--set` wins.")
+        str | None, typer.Argument(help="A scenario that gives the vehicle and the period; `--set` wins.")
+    ] = None,
+    more: Annotated[
+        list[str] | None, typer.Argument(metavar="KEY=VALUE", help="Options of the design, as after `--set`.")
     ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="An option of the design, e.g. `settling_time=2`. Repeatable."),
     ] = None,
+    *,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="For pictures of what was designed.")
     ] = None,
@@ -526,7 +530,7 @@ def design(
     the sampled loop, what appendages that bend do to it, and what a step asks of the actuators. Without a name it lists
     the designs, with their options. Exit status 1 if a condition fails or no gains exist.
 
-    Examples: `gyrostat design`, `gyrostat design mrp_feedback flexible_4 --set bandwidth=0.1 --set damping=0.8`,
+    Examples: `gyrostat design`, `gyrostat design mrp_feedback flexible_4 --set bandwidth=0.1 damping=0.8`,
     `gyrostat design mixed_learning ftc_4rw --set settling_time=5`
     """
     from gyrostat.design import DESIGNS
@@ -543,8 +547,13 @@ def design(
     if name not in DESIGNS:
         raise InputError(f"no design '{name}'{suggestion(name, DESIGNS)}")
     chosen = DESIGNS[name]
-    given = {} if scenario is None else chosen.of_scenario(Scenario.load(scenario))
-    report = chosen.run(chosen.options(**(given | _changes(settings))))
+    wanted = [*(settings or ()), *(more or ())]
+    given: dict[str, Any] = {}
+    if scenario is not None and "=" in scenario and not Path(scenario).exists():  # an option: there is no vehicle
+        wanted.append(scenario)
+    elif scenario is not None:
+        given = chosen.of_scenario(Scenario.load(scenario))
+    report = chosen.run(chosen.options(**(given | _changes(wanted))))
     if out is not None:
         with made_folder(out) as folder:
             for key, figure in report.figures().items():
