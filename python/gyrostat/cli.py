@@ -16,7 +16,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -33,6 +33,7 @@ from gyrostat.text import one_line, unescaped
 if TYPE_CHECKING:
     from gyrostat.design import Finding
     from gyrostat.papers import Paper, Reproduction
+    from gyrostat.plots import Figure
     from gyrostat.results import Result
 
 app = typer.Typer(
@@ -499,10 +500,16 @@ def _drawn(
 
     target = page_path(out)
     figures = {name: figure for draw in design.FIGURES for name, figure in draw(scenario).items()}
-    with made_folder(target.parent) as folder:
+    with made_folder(target.parent):
+        _save_figures(figures, target.parent)
+        return write_check_page(target, scenario, rows, findings, figures, torque_B=torque_B)
+
+
+def _save_figures(figures: Mapping[str, Figure], out: Path) -> None:
+    """Pictures with their data beside them, by name."""
+    with made_folder(out) as folder:
         for name, figure in figures.items():
             figure.save(folder / f"{name}.png")
-        return write_check_page(target, scenario, rows, findings, figures, torque_B=torque_B)
 
 
 @app.command()
@@ -555,9 +562,7 @@ def design(
         given = chosen.of_scenario(Scenario.load(scenario))
     report = chosen.run(chosen.options(**(given | _changes(wanted))))
     if out is not None:
-        with made_folder(out) as folder:
-            for key, figure in report.figures().items():
-                figure.save(folder / f"{key}.png")
+        _save_figures(report.figures(), out)
     if as_json:
         printing.as_json(report.to_dict())
     else:
