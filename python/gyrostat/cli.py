@@ -16,7 +16,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -34,6 +34,7 @@ from gyrostat.text import one_line, unescaped
 if TYPE_CHECKING:
     from gyrostat.design import Finding
     from gyrostat.papers import Paper, Reproduction
+    from gyrostat.plots import Figure
     from gyrostat.results import Result
 
 app = typer.Typer(
@@ -504,22 +505,32 @@ def _drawn(
 
     target = page_path(out)
     figures = {name: figure for draw in design.FIGURES for name, figure in draw(scenario).items()}
-    with made_folder(target.parent) as folder:
+    with made_folder(target.parent):
+        _save_figures(figures, target.parent)
+        return write_check_page(target, scenario, rows, findings, figures, torque_B=torque_B)
+
+
+def _save_figures(figures: Mapping[str, Figure], out: Path) -> None:
+    """Pictures with their data beside them, by name."""
+    with made_folder(out) as folder:
         for name, figure in figures.items():
             figure.save(folder / f"{name}.png")
-        return write_check_page(target, scenario, rows, findings, figures, torque_B=torque_B)
 
 
 @app.command()
 def design(
     name: Annotated[str | None, typer.Argument(help="A design; without one they are listed.")] = None,
     scenario: Annotated[
-        str | None, typer.Argument(help="A scenario that gives the inertia and the period; `--set` wins.")
+        str | None, typer.Argument(help="A scenario that gives the vehicle and the period; `--set` wins.")
+    ] = None,
+    more: Annotated[
+        list[str] | None, typer.Argument(metavar="KEY=VALUE", help="Options of the design, as after `--set`.")
     ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="An option of the design, e.g. `settling_time=2`. Repeatable."),
     ] = None,
+    *,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="For pictures of what was designed.")
     ] = None,
@@ -531,7 +542,7 @@ def design(
     the sampled loop, what appendages that bend do to it, and what a step asks of the actuators. Without a name it lists
     the designs, with their options. Exit status 1 if a condition fails or no gains exist.
 
-    Examples: `gyrostat design`, `gyrostat design mrp_feedback flexible_4 --set bandwidth=0.1 --set damping=0.8`,
+    Examples: `gyrostat design`, `gyrostat design mrp_feedback flexible_4 --set bandwidth=0.1 damping=0.8`,
     `gyrostat design mixed_learning ftc_4rw --set settling_time=5`
     """
     from gyrostat.design import DESIGNS
@@ -548,12 +559,15 @@ def design(
     if name not in DESIGNS:
         raise InputError(f"no design '{name}'{suggestion(name, DESIGNS)}")
     chosen = DESIGNS[name]
-    given = {} if scenario is None else chosen.of_scenario(Scenario.load(scenario))
-    report = chosen.run(chosen.options(**(given | _changes(settings))))
+    wanted = [*(settings or ()), *(more or ())]
+    given: dict[str, Any] = {}
+    if scenario is not None and "=" in scenario and not Path(scenario).exists():  # an option: there is no vehicle
+        wanted.append(scenario)
+    elif scenario is not None:
+        given = chosen.of_scenario(Scenario.load(scenario))
+    report = chosen.run(chosen.options(**(given | _changes(wanted))))
     if out is not None:
-        with made_folder(out) as folder:
-            for key, figure in report.figures().items():
-                figure.save(folder / f"{key}.png")
+        _save_figures(report.figures(), out)
     if as_json:
         printing.as_json(report.to_dict())
     else:

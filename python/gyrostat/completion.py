@@ -243,6 +243,7 @@ _values: dict[str, Callable[[Given, str], Iterable[str]]] = {
     "describe name": _families,
     "design name": _designs,
     "design settings": _design_options,
+    "design more": _design_options,
     "fly file": _campaigns,
     "vehicle": _vehicles,
     "settings": _settings,

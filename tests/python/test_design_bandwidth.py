@@ -422,6 +422,7 @@ def test_python_and_the_command_say_the_same(command: Command, tmp_path: Path) -
         (("sliding_mode", "ftc_4rw", "--set", "damping=0.7"), "two real poles"),
         (("mrp_feedback", "ftc_5rw"), "no scenario 'ftc_5rw'"),
         (("mrp_feedback",), "J_B is missing"),
+        (("mrp_feedback", "ftc_4rw", "bandwidth"), "KEY=VALUE"),
         (("mrp_feedback", "cao2023/nozzles"), "Euler angles"),
         (("mrp_feedback", "ftc_4rw", "--set", "J_B=[1.0, -1.0, 1.0]"), "positive definite"),
         (("mrp_feedback", "ftc_4rw", "--set", "J_B=[1.0, 1.0, 3.0]"), "1 + 1 < 3"),
@@ -441,6 +442,17 @@ def test_bad_input_is_one_line(command: Command, arguments: tuple[str, ...], tol
     assert text == ""
     assert told in error
     assert error.count("\n") == 1
+
+
+def test_a_vehicle_is_given_by_its_numbers_alone(command: Command) -> None:
+    code, text, _ = command("design", "mrp_feedback", "J_B=[1.0, 1.0, 1.0]", "dt=0.1", "bandwidth=0.5", "damping=0.7")
+    assert code == 0
+    # K = 4 J w^2, P = 2 damping J w
+    assert tomllib.loads(text[text.index("[controller]") :])["controller"] == {
+        "type": "mrp_feedback",
+        "K": pytest.approx(1.0),
+        "P": pytest.approx(0.7),
+    }
 
 
 def test_what_cannot_hold_fails_with_its_number(command: Command) -> None:

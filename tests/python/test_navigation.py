@@ -77,7 +77,7 @@ def farrenkopf(T: float, sigma: float, s_v: float, s_u: float) -> Callable[[floa
 
 
 def test_its_errors_in_flight_are_those_of_farrenkopf_through_an_outage_too() -> None:
-    """Sensors of the truth, the compiled filter, the closed form: a body at rest, 80 flights with biases of their own."""
+    """Sensors of the truth, the compiled filter, the closed form: a body at rest, 80 flights, each with its bias."""
     s_v, s_u, sigma, turn_on = 1e-5, 1e-7, 2e-5, 2e-3
     rng = np.random.default_rng(0)
     settled, silent, learnt = [], [], []
