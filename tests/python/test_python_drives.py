@@ -310,7 +310,7 @@ def test_an_exception_reaches_the_caller_with_a_note() -> None:
     [
         ({7: Ideal()}, "drives: actuator 7 is not there; the vehicle has 4 (0 to 3)"),
         ({-1: Ideal()}, "drives: -1 is no actuator; a column of D_B belongs here, counted from 0"),
-        ({"1": Ideal()}, "drives: '1' is no actuator"),
+        ({"one": Ideal()}, "drives: 'one' is no actuator"),
         ({True: Ideal()}, "drives: True is no actuator"),
         ({1: object()}, "drives: actuator 1: "),
         ({1: Ideal}, "drives: Ideal is a class; an object of it belongs here: Ideal(...)"),
@@ -347,5 +347,8 @@ def test_a_scenario_with_one_is_hashable_and_says_what_flew() -> None:
     flight = scenario(drives={1: drive}, duration=1.0)
     assert hash(flight) == hash(scenario(drives={1: drive}, duration=1.0))
     assert flight.replace(duration=2.0).drives == ((1, drive),)
+    other = Ideal()
+    assert flight.replace(**{"drives.1": other, "drives.0": drive}).drives == ((0, drive), (1, other))
+    assert flight.replace(drives={}).drives == ()
     assert flight.run().description["drives"] == {"1": {"type": "python", "class": "Lagging"}}
     assert isinstance(drive, gs.protocols.Drive)
