@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import gyrostat as gs
+from gyrostat.export import export
 
 TRUTH = ["truth.q_NB", "truth.omega_BN_B", "truth.h_w", "truth.delivered", "truth.external_B", "allocation.u"]
 
@@ -331,6 +332,9 @@ def test_what_else_is_refused() -> None:
         gs.Scenario.load("twelve_thrusters").replace(drives={4: Ideal()})
     with pytest.raises(ValueError, match=r"^drives is a Python object; a TOML file can only hold"):
         scenario(drives={1: Ideal()}).to_toml()
+
+    with pytest.raises(ValueError, match=r"^drives: a Python object is there, which the exported scenario cannot say"):
+        export(scenario(drives={1: Ideal()}), "cpp", "never")
 
     class Locked(Ideal):
         def __init__(self) -> None:
