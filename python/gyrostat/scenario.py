@@ -109,10 +109,11 @@ def _drives(value: Any) -> tuple[tuple[int, Any], ...]:
     """Objects by the actuator whose law they are."""
     if not isinstance(value, Mapping | tuple):
         raise InputError(f"{shown(value)} is no table of objects by actuator; write {{2: {_class_of(value).__name__}}}")
-    pairs = tuple(value.items() if isinstance(value, Mapping) else value)
-    for actuator, drive in pairs:
+    drives: dict[int, Any] = {}
+    for key, drive in value.items() if isinstance(value, Mapping) else value:
+        actuator = int(key) if isinstance(key, str) and key.isascii() and key.isdecimal() else key
         if not isinstance(actuator, int | np.integer) or isinstance(actuator, bool) or actuator < 0:
-            raise InputError(f"{shown(actuator)} is no actuator; a column of D_B belongs here, counted from 0")
+            raise InputError(f"{shown(key)} is no actuator; a column of D_B belongs here, counted from 0")
         if isinstance(drive, type):
             raise InputError(f"{drive.__name__} is a class; an object of it belongs here: {drive.__name__}(...)")
         if not callable(getattr(drive, "deliver", None)):
@@ -120,13 +121,13 @@ def _drives(value: Any) -> tuple[tuple[int, Any], ...]:
                 f"actuator {actuator}: {shown(drive)} is a {type(drive).__name__} without deliver(...); "
                 "an object that says what the actuator gives belongs here"
             )
-    for at, (actuator, drive) in enumerate(pairs):
-        for other, known in pairs[:at]:
-            if known is drive:
-                raise InputError(
-                    f"actuators {other} and {actuator} are one object of {type(drive).__name__}; each needs its own"
-                )
-    return tuple((int(actuator), drive) for actuator, drive in pairs)
+        other = next((i for i, known in drives.items() if known is drive and i != actuator), None)
+        if other is not None:
+            raise InputError(
+                f"actuators {other} and {actuator} are one object of {type(drive).__name__}; each needs its own"
+            )
+        drives[int(actuator)] = drive
+    return tuple(sorted(drives.items(), key=operator.itemgetter(0)))
 
 
 def _names(value: Any) -> tuple[str, ...] | None:

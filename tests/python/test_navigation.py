@@ -183,6 +183,22 @@ def test_a_latency_that_is_known_costs_nothing_and_one_that_is_not_shows() -> No
     assert not_told["navigator.rejected"][-1] > 10
 
 
+def test_a_late_sensor_has_measured_nothing_before_its_delay_has_filled() -> None:
+    """A body that turns: the first attitude, shown as that of now or of 0.1 s before it, would be a wrong fix."""
+    late = {"initial": {"omega_BN_B": [0.05, -0.08, 0.03]}, "duration": 2.0, "navigator": "mekf"}
+    sensors = [gs.sensors.Gyro(noise=1e-5, bias=BIAS, delay=3), gs.sensors.Attitude(noise=2e-5, delay=10)]
+    valid = ["measurement.rate_valid", "measurement.attitude_valid"]
+    result = flight(sensors=[gs.sensors.Gyro(noise=1e-5, bias=BIAS), sensors[1]], **late).run()
+    assert result["navigator.rejected"][-1] == 0
+    assert [(e.name, e.t, e.count) for e in result.events] == [("guard.attitude", 0.0, 10)]
+    assert not np.any(result["allocation.u"][:10]), "nothing to fly on yet"
+    assert np.all(result["allocation.u"][10:].any(axis=1))
+    shown = flight(sensors=sensors, **late).run(channels=valid)
+    tick = np.arange(201)
+    np.testing.assert_array_equal(shown["measurement.rate_valid"], tick >= 3)
+    np.testing.assert_array_equal(shown["measurement.attitude_valid"], tick >= 10)
+
+
 def test_outliers_are_rejected_and_nothing_else_and_signs_do_not_matter() -> None:
     sensor = tracker(outlier_probability=0.1, outlier_angle=np.deg2rad(1), flip_sign=True)
     channels = [*CHANNELS, "measurement.q_NB", "measurement.attitude_valid", "truth.q_NB"]

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import gyrostat as gs
+from gyrostat.export import export
 
 TRUTH = ["truth.q_NB", "truth.omega_BN_B", "truth.h_w", "truth.delivered", "truth.external_B", "allocation.u"]
 
@@ -310,7 +311,7 @@ def test_an_exception_reaches_the_caller_with_a_note() -> None:
     [
         ({7: Ideal()}, "drives: actuator 7 is not there; the vehicle has 4 (0 to 3)"),
         ({-1: Ideal()}, "drives: -1 is no actuator; a column of D_B belongs here, counted from 0"),
-        ({"1": Ideal()}, "drives: '1' is no actuator"),
+        ({"one": Ideal()}, "drives: 'one' is no actuator"),
         ({True: Ideal()}, "drives: True is no actuator"),
         ({1: object()}, "drives: actuator 1: "),
         ({1: Ideal}, "drives: Ideal is a class; an object of it belongs here: Ideal(...)"),
@@ -332,6 +333,9 @@ def test_what_else_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^drives is a Python object; a TOML file can only hold"):
         scenario(drives={1: Ideal()}).to_toml()
 
+    with pytest.raises(ValueError, match=r"^drives: a Python object is there, which the exported scenario cannot say"):
+        export(scenario(drives={1: Ideal()}), "cpp", "never")
+
     class Locked(Ideal):
         def __init__(self) -> None:
             import threading
@@ -347,5 +351,8 @@ def test_a_scenario_with_one_is_hashable_and_says_what_flew() -> None:
     flight = scenario(drives={1: drive}, duration=1.0)
     assert hash(flight) == hash(scenario(drives={1: drive}, duration=1.0))
     assert flight.replace(duration=2.0).drives == ((1, drive),)
+    other = Ideal()
+    assert flight.replace(**{"drives.1": other, "drives.0": drive}).drives == ((0, drive), (1, other))
+    assert flight.replace(drives={}).drives == ()
     assert flight.run().description["drives"] == {"1": {"type": "python", "class": "Lagging"}}
     assert isinstance(drive, gs.protocols.Drive)

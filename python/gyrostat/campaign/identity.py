@@ -64,7 +64,11 @@ def _plain(value: Any) -> Any:
     return _name(value)
 
 
-def _name(value: Any) -> str:
+def _name(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_name(v) for v in value]
+    if isinstance(value, dict):
+        return {str(k): _name(v) for k, v in value.items()}
     kind = type(value)
     return f"python:{kind.__module__}.{kind.__qualname__}"
 

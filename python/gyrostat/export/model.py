@@ -193,6 +193,10 @@ def _refuse_host_only(scenario: Scenario) -> None:
             raise InputError(
                 f"{role}: {type(part).__name__} is a Python object; only components of the catalogue have C++"
             )
+    for role in scenario.python_components():
+        raise InputError(
+            f"{role}: a Python object is there, which the exported scenario cannot say; the stack exports without it"
+        )
     if scenario.shadows:
         raise InputError("shadows are not part of the flight stack: export without them (--set shadows=[])")
 

@@ -50,6 +50,7 @@ struct Outside {
   std::vector<std::pair<std::string, std::shared_ptr<const Reporting>>>
       reports;  ///< what they publish, under which name
 
+  bool acts() const noexcept { return fault || torque_B || !drives.empty(); }
   /// Of the command that is issued: what arrives at the actuators, and what those from outside make of it.
   template <truth::Plant Plant>
   void act(Plant& plant, double t, VecN<double>& u) const {
@@ -109,6 +110,10 @@ RunEnd fly(Plant& plant, truth::Sensors& sensors, ReferencePath& reference, Stac
         end.code = RunEnd::Code::no_command;
         end.cause = "the stack never issued a command of its own: " + text_of(did);
         return end;
+      }
+      if (!outside.acts()) {
+        plant.advance(stack.last().u);
+        continue;
       }
       VecN<double> u = stack.last().u;
       outside.act(plant, end.time, u);
