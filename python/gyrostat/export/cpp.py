@@ -13,6 +13,7 @@ from gyrostat.export.places import comment, markdown
 from gyrostat.export.recording import write_recording
 
 AXES_HEADER = "gyrostat/flight/moving_axes.hpp"
+FACADE = "gyrostat/flight/facade.hpp"
 BASE_HEADERS = ["gyrostat/core/set_parameter.hpp", "gyrostat/flight/stack.hpp"]
 
 
@@ -33,7 +34,7 @@ def write_header(code: FlightCode, folder: Path, namespace: str | None = None) -
     """``<name>.hpp``, and what it includes in ``include/``."""
     values = names(code) | _parts(code) | {"namespace": namespace or code.name}
     (folder / f"{code.name}.hpp").write_text(filled("cpp/flight.hpp", values), encoding="utf-8")
-    copy_headers([*_headers(code), "gyrostat/flight/facade.hpp"], folder / "include", code.capacity)
+    copy_headers(headers(code), folder / "include", code.capacity)
 
 
 def names(code: FlightCode) -> dict[str, object]:
@@ -90,7 +91,7 @@ def _sky(code: FlightCode) -> dict[str, str]:
 def _parts(code: FlightCode) -> dict[str, object]:
     by_role = {c.role: c for c in code.components}
     return {
-        "includes": "\n".join(f'#include "{h}"' for h in sorted(_headers(code))),
+        "includes": "\n".join(f'#include "{h}"' for h in sorted(headers(code)) if h != FACADE),
         "aliases": "\n".join(f"  using {role.capitalize()} = {c.cpp}<S>;" for role, c in by_role.items()),
         "vehicle": "\n".join(f"    {line}" for line in _vehicle(code)),
         "parameters": "\n".join(
@@ -104,8 +105,10 @@ def _parts(code: FlightCode) -> dict[str, object]:
     }
 
 
-def _headers(code: FlightCode) -> list[str]:
-    return [*BASE_HEADERS, *([AXES_HEADER] if code.axes_move else []), *(c.header for c in code.components)]
+def headers(code: FlightCode) -> list[str]:
+    """Of the library, what an export of it includes."""
+    axes = [AXES_HEADER] if code.axes_move else []
+    return [*BASE_HEADERS, FACADE, *axes, *(c.header for c in code.components)]
 
 
 def _policies(code: FlightCode) -> str:
@@ -119,7 +122,7 @@ def _gimbals(code: FlightCode) -> dict[str, str]:
     """What templates say of gimbals: nothing without them."""
     n = code.actuators
     said = {
-        "gimbal_field": f"\n  {code.name}_real gimbal[{n}]; /* rad, of each gimbal, 0 without one; not finite: as before */",
+        "gimbal_field": f"\n  {code.name}_real gimbal[{n}]; /* rad, each gimbal, 0 without; not finite: as before */",
         "gimbal_member": f", gimbal[{n}]",
         "take_gimbal": f"\n    take_recorded(d.row, measurement_gimbal, y.gimbal, {n});",
         "gimbal_of_inputs": "\n  in(y.gimbal);",
@@ -143,8 +146,8 @@ def _axes(code: FlightCode) -> list[str]:
         for g in code.gyros
     ]
     if code.vehicle["magnetorquers"]:
-        lines.append(f"p.geometry.magnetic.dipole_B.resize(3, {code.actuators});  // of magnetorquers, in their columns")
-        lines.append(f"p.geometry.magnetic.dipole_B << {_matrix(code.dipole_B)};")
+        lines.append(f"p.geometry.magnetic.dipole_B.resize(3, {code.actuators});")
+        lines.append(f"p.geometry.magnetic.dipole_B << {_matrix(code.dipole_B)};  // magnetorquers in their columns")
     return lines
 
 

@@ -42,7 +42,10 @@ FlightModel flight_model(const Assembly& a) {
   m.setup = a.setup;
   m.allow_unstable = a.run.allow_unstable;
   m.gyros = a.plant.gyros;
-  if (a.setup.vehicle.magnetorquers.any()) m.dipole_B = a.vehicles.D_B;
+  if (a.setup.vehicle.magnetorquers.any()) m.dipole_B.setZero(3, a.setup.vehicle.actuators());
+  for (Eigen::Index i = 0; i < m.dipole_B.cols(); ++i) {
+    if (a.setup.vehicle.magnetorquers.test(static_cast<int>(i))) m.dipole_B.col(i) = a.vehicles.D_B.col(i);
+  }
   m.components = {component(c.navigators, a, a.navigator), component(c.observers, a, a.observer),
                   component(c.detectors, a, a.detector), component(c.controllers, a, a.controller),
                   component(c.allocators, a, a.allocator)};
