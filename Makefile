@@ -96,7 +96,7 @@ embedded: debian-embedded $(VENV)/package.stamp  ## exported flight stacks on an
 	@$(BIN)/python scripts/embedded
 
 embedded-short: debian-embedded $(VENV)/package.stamp  ## two of these stacks, as make test flies them
-	@$(STEP) embedded-short $(BIN)/python scripts/embedded li2018 learning_lexicographic
+	@$(STEP) embedded-short $(BIN)/python scripts/embedded li2018 cubesat_6u
 
 mutants: debian-test $(VENV)/venv.stamp  ## break core and flight in a few hundred places, one at a time: do the C++ tests notice?
 	@nice $(BIN)/python scripts/mutants

@@ -3,9 +3,11 @@
 #pragma once
 #include <cstdint>
 
-/// What one recorded sample holds, in `double` whatever the stack computes in.
+/// What one recorded sample holds, in `double` whatever the stack computes in; zero where this stack has no such input.
 struct Row {
-  double q_NB[4], omega_BN_B[3], h_w[16], q_NR[4], omega_RN_R[3], omegadot_RN_R[3], event;
+  double q_NB[4], omega_BN_B[3], h_w[16], attitude_valid, rate_valid, momentum_valid, gimbal[16];
+  double field_B[3], field_N[3], field_valid, sun_B[3], sun_N[3], sun_valid;
+  double q_NR[4], omega_RN_R[3], omegadot_RN_R[3], event;
 };
 
 /// What the target writes for each sample.

@@ -438,14 +438,6 @@ def test_exported_to_c_the_stack_repeats_its_loop(tmp_path: Path) -> None:
     assert "1201 samples, largest deviation 0.00e+00" in said, said
 
 
-def test_a_unit_is_refused_in_one_line(tmp_path: Path) -> None:
-    from gyrostat.export import export
-
-    with pytest.raises(gs.InputError, match=r"cmg: target fmu has no input for gimbals") as error:
-        export(gs.Scenario.load("agile_cmg"), "fmu", tmp_path / "code", samples=10)
-    assert "\n" not in str(error.value)
-
-
 def test_a_page_turns_with_the_gimbals(tmp_path: Path) -> None:
     from gyrostat.page.content import _arrows
 

@@ -17,7 +17,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.validation import validate_fmu
 
 import gyrostat as gs
-from gyrostat.export import FlightCode, export
+from gyrostat.export import FlightCode, compiler, export
 from gyrostat.export.model import INPUTS, OUTPUTS, flight_code, suffixes
 
 ROLES = ("observer", "detector", "controller", "allocator")
@@ -85,8 +85,8 @@ class Slave:
 
     def fly(self, code: FlightCode, rows: int | None = None) -> np.ndarray:
         """Outputs of the recorded inputs, a row a sample."""
-        inputs, outputs = (self._references(code, names) for names in (INPUTS, OUTPUTS))
-        recorded = np.hstack([code.column(name) for name in INPUTS])
+        inputs, outputs = (self._references(code, names) for names in (code.inputs, OUTPUTS))
+        recorded = np.hstack([code.column(name) for name in code.inputs])
         found = np.empty((len(recorded[:rows]), sum(len(block) for _, block in outputs)))
         for k, row in enumerate(recorded[:rows]):
             at = 0
@@ -258,6 +258,54 @@ def test_a_unit_steps_whole_periods_one_after_the_other(wheel2: Unit, tmp_path: 
         one.start({})
         assert_same(one.fly(code), code)  # and it is as new
         one.fmu.doStep(currentCommunicationPoint=len(code.rows) * code.dt, communicationStepSize=3 * code.dt)
+
+
+def turning() -> gs.Scenario:
+    """Gimbals and torquers turn the axes of a vehicle on an orbit, and the torquers empty its gyros."""
+    vehicle, gyros = gs.vehicle.cmg4(rotor_momentum=2.0)
+    return gs.Scenario(
+        name="turning",
+        vehicle={
+            **vehicle.to_dict(),
+            "D_B": np.eye(3).tolist(),
+            "u_max": [30.0] * 3 + [2.0] * 4,
+            "magnetorquers": [0, 1, 2],
+        },
+        cmg=gyros.model_copy(update={"angles": (0.1, -0.2, 0.3, 0.05)}),
+        orbit=gs.Orbit(semi_major_axis=6.9e6, inclination=0.9),
+        desaturation=gs.Desaturation(gain=20.0),
+        sensors=[gs.sensors.Magnetometer(noise=5e-8)],
+        controller="mrp_feedback",
+        initial=gs.Initial(mrp=(0.01, -0.02, 0.03)),
+        integrator="rk4",
+        duration=200.0,
+        dt=0.5,
+    )
+
+
+def test_a_unit_takes_gimbals_and_field_and_what_the_desaturation_goes_by(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flags = tuple("-O0" if flag == "-O2" else flag for flag in compiler.FLAGS)
+    monkeypatch.setattr(compiler, "FLAGS", flags)  # the others are compiled as users compile them
+    code = export(turning(), "fmu", tmp_path / "out")
+    path = tmp_path / "out" / "turning.fmu"
+    assert validate_fmu(str(path)) == []
+    with slave(path, tmp_path / "same") as one:
+        facts = {v.name: (v.type, v.causality, v.unit, v.start) for v in one.description.modelVariables}
+        assert facts["measurement.gimbal[3]"] == ("Real", "input", "rad", "0.0")
+        assert facts["measurement.field_B[0]"] == ("Real", "input", "T", "0.0")
+        assert facts["measurement.field_valid"] == ("Boolean", "input", None, "false")
+        assert facts["desaturation.momentum"][:2] == ("Enumeration", "parameter")
+        found = one.fly(code)
+    assert_same(found, code)
+    assert (np.abs(found[1:, : code.actuators]).max(axis=0) > 0).all()
+    changed = turning().replace(**{"desaturation.gain": 5.0, "desaturation.momentum": "total"})
+    flown = flight_code(changed, scalar="double", samples=50, name=None)
+    with slave(path, tmp_path / "changed", {"desaturation.gain": 5.0, "desaturation.momentum": 1}) as one:
+        assert_same(one.fly(flown), flown)
+    with slave(path, tmp_path / "unchanged") as one, pytest.raises(AssertionError):
+        assert_same(one.fly(flown), flown)
 
 
 def test_a_unit_is_the_same_file_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

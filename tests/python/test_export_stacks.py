@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Every stack can be exported: those of the papers, and as many more as hold every flight component.
+"""Every stack can be exported: those of the papers, as many more as hold every component, every shipped scenario.
 
-A program a stack replays its recorded loop, in `double` and in `float`.
+One program a scalar replays their recorded loops: what stacks share is compiled once. What is not exported is a short
+list with reasons.
 
 ``tests/golden/float_stacks.csv`` states how far `float` may be from `double` for each stack;
 ``python tests/python/test_export_stacks.py`` writes it anew.
@@ -15,7 +16,8 @@ import shlex
 import signal
 import subprocess
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -25,15 +27,29 @@ from numpy.typing import NDArray
 
 import gyrostat as gs
 from gyrostat import _core
-from gyrostat.export import FlightCode, export
+from gyrostat.export import TARGETS, FlightCode, export
 from gyrostat.export.compiler import find_eigen
+from gyrostat.export.cpp import headers
+from gyrostat.export.folder import copy_headers
 from gyrostat.export.model import INPUTS, OUTPUTS
+from gyrostat.scenario import shipped
 
 ROLES = ("observer", "detector", "controller", "allocator")
 TABLE = Path(__file__).parents[1] / "golden" / "float_stacks.csv"
 HEAD = ("stack", "observer", "detector", "controller", "allocator", "stated", "measured")
 SAMPLES = 1000
 HOST_ONLY = {"open_loop"}  # follows waveforms
+SHIPPED_SAMPLES = 400
+EULER = "vehicle: coordinates euler_angles cannot be exported; flight code takes body coordinates"
+OPEN_LOOP = "controller 'open_loop' runs in the host alone and cannot be exported"
+SHADOWS = "shadows are not part of the flight stack: export without them (--set shadows=[])"
+REFUSED = {
+    "cao2022/constant_torque": OPEN_LOOP,
+    "cao2023/nozzles": EULER,
+    "cao2023/printed": EULER,
+    "yang2023/bench_a": SHADOWS,
+    "yang2023/bench_b": SHADOWS,
+}
 FLAGS = "-std=c++20 -O0 -fno-exceptions -fno-rtti -ffp-contract=off -Wall -Wextra -Werror"
 
 
@@ -81,16 +97,54 @@ def with_dropouts(scenario: gs.Scenario) -> gs.Scenario:
     return scenario.replace(sensors=[*scenario.sensors, *dropouts])
 
 
-class Replayed:
-    """What the recorded inputs of a stack gave, in both scalars."""
+def everything() -> gs.Scenario:
+    """Gimbals and torquers on a body that bends, the torquers empty the gyros, a filter hears sun and field alone."""
+    vehicle, gyros = gs.vehicle.cmg4(rotor_momentum=2.0, J_B=(120.0, 100.0, 110.0))
+    _, modes = gs.vehicle.flexible_4()
+    return gs.Scenario(
+        name="everything",
+        vehicle={
+            **vehicle.to_dict(),
+            "D_B": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            "u_max": [30.0, 30.0, 30.0, 2.0, 2.0, 2.0, 2.0],
+            "magnetorquers": [0, 1, 2],
+        },
+        cmg=gyros.model_copy(update={"angles": (0.1, -0.2, 0.3, 0.05)}),
+        flexible=modes.model_copy(update={"delta": [[0.3 * x for x in row] for row in modes.delta]}),
+        orbit=gs.Orbit(semi_major_axis=6.9e6, inclination=0.9, raan=0.4, earth_angle=1.2, sun_longitude=1.0),
+        desaturation=gs.Desaturation(gain=20.0, keep_B=(0.1, 0.0, -0.2)),
+        navigator="mekf",
+        observer="joint_kalman",
+        detector="evidence",
+        controller="mrp_feedback",
+        allocator="lexicographic",
+        reference="nadir",
+        sensors=[
+            gs.sensors.Gyro(angle_random_walk=1e-5, rate_random_walk=1e-8, bias=(1e-3, -1e-3, 1e-3)),
+            gs.sensors.SunSensor(noise=2e-3),
+            gs.sensors.Magnetometer(noise=5e-8),
+            gs.sensors.AttitudeDropout(t_on=0.0),
+        ],
+        faults=[gs.faults.Dead(actuator=1, t_on=40.0), gs.faults.Dead(actuator=4, t_on=60.0)],
+        initial=gs.Initial(q_NB=[0.36, 0.48, -0.64, 0.48], omega_BN_B=[0.002, -0.003, 0.001]),
+        integrator="rk4",
+        duration=(SHIPPED_SAMPLES - 1) * 0.5,
+        dt=0.5,
+    )
 
-    def __init__(self, name: str, folder: Path) -> None:
-        self.code: FlightCode = export(stacks()[name], "cpp", folder / name, samples=SAMPLES, name=name)
-        np.hstack([self.code.column(s) for s in INPUTS]).tofile(folder / f"{name}.in")
-        _compile(name, folder)
-        _run([str(folder / "replay")], folder, seconds=600)
+
+def scenarios() -> dict[str, gs.Scenario]:
+    """The shipped ones that are not refused, and all that a vehicle may have at once."""
+    return {name: gs.Scenario.load(name) for name in shipped() if name not in REFUSED} | {"everything": everything()}
+
+
+class Replayed:
+    """What the recorded inputs of one stack gave, in both scalars."""
+
+    def __init__(self, code: FlightCode, folder: Path) -> None:
+        self.code = code
         self.given = {
-            scalar: np.fromfile(folder / f"{name}.{scalar}").reshape(SAMPLES, -1) for scalar in ("double", "float")
+            scalar: np.fromfile(folder / f"{code.name}.{scalar}").reshape(SAMPLES, -1) for scalar in ("double", "float")
         }
 
     def recorded(self) -> NDArray[np.float64]:
@@ -103,28 +157,82 @@ class Replayed:
         return float(np.abs(self.given["float"][:, : u.shape[1]] - u).max() / np.abs(u).max())
 
 
-def _compile(name: str, folder: Path) -> None:
+class Flown:
+    """Every export, played back by one program a scalar; in double the self-tests of the scenarios are in it."""
+
+    def __init__(self, folder: Path) -> None:
+        stack_codes = {
+            name: export(scenario, "cpp", folder / name, samples=SAMPLES, name=name)
+            for name, scenario in stacks().items()
+        }
+        tested = {
+            name: export(scenario, "cpp", folder / f"tested_{i}", samples=SHIPPED_SAMPLES, name=f"tested_{i}")
+            for i, (name, scenario) in enumerate(scenarios().items())
+        }
+        codes = [*stack_codes.values(), *tested.values()]
+        copy_headers(
+            sorted({header for code in codes for header in headers(code)}),
+            folder / "include",
+            max(code.capacity for code in codes),
+        )
+        for name, code in stack_codes.items():
+            np.hstack([code.column(s) for s in INPUTS]).tofile(folder / f"{name}.in")
+        programs = {"double": list(tested.values()), "float": []}
+        with ThreadPoolExecutor() as pool:
+            said = list(pool.map(lambda p: _built_and_run(folder, stack_codes, *p), programs.items()))
+        self.replayed = {name: Replayed(code, folder) for name, code in stack_codes.items()}
+        self.verdicts = dict(zip(tested, said[0].splitlines(), strict=True))
+        self.rows = {name: len(code.rows) for name, code in tested.items()}
+
+
+def _built_and_run(folder: Path, stack_codes: Iterable[str], scalar: str, tested: list[FlightCode]) -> str:
+    """What the program of one scalar printed: a line for each self-test."""
+    calls = [f'replay<{scalar}, {name}::Flight>("{name}", "{scalar}")' for name in stack_codes]
+    calls += [f'told(test_{code.name}::main, "{code.name}/recorded.csv")' for code in tested]
+    lines = ["#include <new>", *(f'#include "{name}/{name}.hpp"' for name in stack_codes), '#include "replay.hpp"']
+    lines += [f"#include <{header}.h>" for header in ("math", "stdio", "stdlib", "string")]
+    lines += [f'#include "{code.name}/{code.name}.hpp"' for code in tested]
+    for code in tested:
+        lines += ["#undef RECORDED_H", f"namespace test_{code.name} {{", f'#include "{code.name}/self_test.cpp"', "}"]
+    lines += [
+        "template <class Main> int told(Main* main, const char* path) {",
+        "  char* arguments[] = {nullptr, const_cast<char*>(path)};",
+        "  return main(2, arguments);",
+        "}",
+        "int main() {",
+        "  int wrong = 0;",
+        *(f"  wrong += {call};" for call in calls),
+        "  return wrong;",
+        "}",
+        "",
+    ]
+    (folder / f"{scalar}.cpp").write_text("\n".join(lines))
     compiler = shlex.split(f"{os.environ.get('CXX', 'c++')} {FLAGS} {os.environ.get('CXXFLAGS', '')}")
-    compiler += ["-isystem", str(find_eigen()), f"-I{folder / name}", f"-I{folder / name / 'include'}"]
-    calls = [f'replay<{scalar}, {name}::Flight>("{name}", "{scalar}")' for scalar in ("double", "float")]
-    lines = [f'#include "{name}.hpp"', '#include "replay.hpp"', f"int main() {{ return {' + '.join(calls)}; }}"]
-    (folder / "replay.cpp").write_text("\n".join([*lines, ""]))
-    _run([*compiler, f"-I{Path(__file__).parent}", "replay.cpp", "-o", "replay"], folder, seconds=1800)
+    compiler += ["-isystem", str(find_eigen()), f"-I{folder / 'include'}", f"-I{Path(__file__).parent}"]
+    _run([*compiler, f"{scalar}.cpp", "-o", f"{scalar}.out"], folder, seconds=1800)
+    return _run([str(folder / f"{scalar}.out")], folder, seconds=600)
 
 
-def _run(command: list[str], folder: Path, seconds: float) -> None:
+def _run(command: list[str], folder: Path, seconds: float) -> str:
     """To its end; a limit is for what hangs, not for a slow machine, and nothing outlives it."""
-    with subprocess.Popen(command, cwd=folder, start_new_session=True) as process:
+    with subprocess.Popen(command, cwd=folder, start_new_session=True, stdout=subprocess.PIPE, text=True) as process:
         try:
-            assert process.wait(timeout=seconds) == 0
+            said, _ = process.communicate(timeout=seconds)
+            assert process.returncode == 0, said
+            return said
         finally:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGKILL)  # a compiler's own children too
 
 
 @pytest.fixture(scope="module")
-def replayed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Replayed:
-    return Replayed(request.param, tmp_path_factory.mktemp("replayed"))
+def flown(tmp_path_factory: pytest.TempPathFactory) -> Flown:
+    return Flown(tmp_path_factory.mktemp("flown"))
+
+
+@pytest.fixture
+def replayed(request: pytest.FixtureRequest, flown: Flown) -> Replayed:
+    return flown.replayed[request.param]
 
 
 def stated() -> dict[str, Mapping[str, str]]:
@@ -149,10 +257,8 @@ def test_parameters_of_every_kind_are_in_them() -> None:
     assert stacks()["yang2023"].resolve()["observer"]["frozen"] != []
 
 
-@pytest.mark.parametrize("replayed", stacks(), indirect=True, scope="module")
+@pytest.mark.parametrize("replayed", stacks(), indirect=True)
 class TestStack:
-    """Compiled once each; workers share them out."""
-
     def test_an_exported_stack_repeats_its_recorded_loop(self, replayed: Replayed) -> None:
         # every output at every sample, 1e-12 of each number or of 1; flags, masks and infinite bounds exactly
         np.testing.assert_allclose(replayed.given["double"], replayed.recorded(), rtol=1e-12, atol=1e-12)
@@ -179,6 +285,26 @@ class TestStack:
         assert replayed.float_deviation() <= float(row["stated"])
 
 
+@pytest.mark.parametrize("name", scenarios())
+def test_a_shipped_scenario_repeats_its_loop_to_the_last_bit(name: str, flown: Flown) -> None:
+    """By the self-test that comes with it: wheels, torquers, gimbals, valves, panels, with and without a navigator."""
+    assert flown.verdicts[name].startswith(f"{flown.rows[name]} samples, largest deviation 0.00e+00")
+
+
+def test_every_navigator_is_in_them() -> None:
+    assert {s.resolve()["navigator"]["type"] for s in scenarios().values()} == set(_core.catalogue()["navigator"])
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_refusal_is_one_line_with_its_reason(name: str, tmp_path: Path) -> None:
+    for target in TARGETS:
+        with pytest.raises(gs.InputError) as error:
+            export(gs.Scenario.load(name), target, tmp_path / "out", samples=2)
+        assert str(error.value).startswith(REFUSED[name])
+        assert "\n" not in str(error.value)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_the_table_has_every_stack_and_no_other() -> None:
     assert list(stated()) == list(stacks())
     assert [name for name, row in stated().items() if row["stated"] == "hard sign"] == ["li2018_hard_sign"]
@@ -187,9 +313,9 @@ def test_the_table_has_every_stack_and_no_other() -> None:
 def write_table() -> None:
     """``stated`` is a power of ten with at least a factor of two above what was measured."""
     rows: list[Any] = [HEAD]
-    for name in stacks():
-        with tempfile.TemporaryDirectory() as folder:
-            replayed = Replayed(name, Path(folder))
+    with tempfile.TemporaryDirectory() as folder:
+        flown = Flown(Path(folder))
+    for name, replayed in flown.replayed.items():
         measured = replayed.float_deviation()
         bound = f"1e{int(np.ceil(np.log10(2 * measured)))}" if "hard_sign" not in name else "hard sign"
         rows.append([name, *components(replayed.code.scenario).values(), bound, f"{measured:.1e}"])

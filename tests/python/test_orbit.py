@@ -125,10 +125,13 @@ def test_torques_of_an_orbit_need_one() -> None:
         gs.Scenario(vehicle=gs.vehicle.ftc_4rw(), disturbances=[dipole], duration=1.0, dt=0.1)
 
 
-def test_export_says_that_it_cannot_carry_them() -> None:
-    """One line, before anything is written."""
-    with pytest.raises(ValueError, match="magnetorquers are not exported yet"):
-        flying().compiled.flight_model()
+def test_flight_code_has_the_dipoles_of_torquers_alone() -> None:
+    """What its stack turns across the field; the other columns are the vehicle's."""
+    model = flying().compiled.flight_model()
+    assert model["vehicle"]["magnetorquers"] == [3, 4, 5]
+    np.testing.assert_array_equal(model["dipole_B"], AXES * [0, 0, 0, 1, 1, 1])
+    np.testing.assert_array_equal(model["vehicle"]["D_B"], AXES * [1, 1, 1, 0, 0, 0])
+    assert [c["name"] for c in model["components"] if c["role"] == "desaturation"] == ["desaturation"]
 
 
 # ---- flight ---------------------------------------------------------------------------------------------------------

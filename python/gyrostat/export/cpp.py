@@ -12,7 +12,8 @@ from gyrostat.export.model import SKY, FlightCode, Parameter, literal
 from gyrostat.export.places import comment, markdown
 from gyrostat.export.recording import write_recording
 
-GYROS_HEADER = "gyrostat/flight/control_moment_gyros.hpp"
+AXES_HEADER = "gyrostat/flight/moving_axes.hpp"
+FACADE = "gyrostat/flight/facade.hpp"
 BASE_HEADERS = ["gyrostat/core/set_parameter.hpp", "gyrostat/flight/stack.hpp"]
 
 
@@ -33,7 +34,7 @@ def write_header(code: FlightCode, folder: Path, namespace: str | None = None) -
     """``<name>.hpp``, and what it includes in ``include/``."""
     values = names(code) | _parts(code) | {"namespace": namespace or code.name}
     (folder / f"{code.name}.hpp").write_text(filled("cpp/flight.hpp", values), encoding="utf-8")
-    copy_headers([*_headers(code), "gyrostat/flight/facade.hpp"], folder / "include", code.capacity)
+    copy_headers(headers(code), folder / "include", code.capacity)
 
 
 def names(code: FlightCode) -> dict[str, object]:
@@ -52,6 +53,7 @@ def names(code: FlightCode) -> dict[str, object]:
         **_sky(code),
         "stack": ", ".join(c.name for c in code.components),
         **_gimbals(code),
+        "u_unit": _command_unit(code),
         "bytes": -(-code.bytes[code.scalar] * 3 // 2 // 64) * 64 + 128,
     }
 
@@ -89,7 +91,7 @@ def _sky(code: FlightCode) -> dict[str, str]:
 def _parts(code: FlightCode) -> dict[str, object]:
     by_role = {c.role: c for c in code.components}
     return {
-        "includes": "\n".join(f'#include "{h}"' for h in sorted(_headers(code))),
+        "includes": "\n".join(f'#include "{h}"' for h in sorted(headers(code)) if h != FACADE),
         "aliases": "\n".join(f"  using {role.capitalize()} = {c.cpp}<S>;" for role, c in by_role.items()),
         "vehicle": "\n".join(f"    {line}" for line in _vehicle(code)),
         "parameters": "\n".join(
@@ -97,36 +99,56 @@ def _parts(code: FlightCode) -> dict[str, object]:
             for c in code.components
             for p in c.params
         )
-        + "".join(f"\n    {line}" for line in _gyros(code)),
+        + "".join(f"\n    {line}" for line in _axes(code)),
+        "policies": _policies(code),
         "allow_unstable": str(code.allow_unstable).lower(),
     }
 
 
-def _headers(code: FlightCode) -> list[str]:
-    return [*BASE_HEADERS, *([GYROS_HEADER] if code.gyros else []), *(c.header for c in code.components)]
+def headers(code: FlightCode) -> list[str]:
+    """Of the library, what an export of it includes."""
+    axes = [AXES_HEADER] if code.axes_move else []
+    return [*BASE_HEADERS, FACADE, *axes, *(c.header for c in code.components)]
+
+
+def _policies(code: FlightCode) -> str:
+    """Of the stack, behind its navigator: where actuators point, and what takes the momentum off."""
+    policies = ["gyrostat::MovingAxes<S>"] if code.axes_move else []
+    policies += [c.role.capitalize() for c in code.components if c.role == "desaturation"]
+    return "".join(f",\n                                      {policy}" for policy in policies)
 
 
 def _gimbals(code: FlightCode) -> dict[str, str]:
     """What templates say of gimbals: nothing without them."""
     n = code.actuators
     said = {
-        "geometry": ",\n                                      gyrostat::ControlMomentGyros<S>",
-        "gimbal_field": f"\n  {code.name}_real gimbal[{n}]; /* rad, of each gimbal; 0 without one */",
+        "gimbal_field": f"\n  {code.name}_real gimbal[{n}]; /* rad, each gimbal, 0 without; not finite: as before */",
         "gimbal_member": f", gimbal[{n}]",
         "take_gimbal": f"\n    take_recorded(d.row, measurement_gimbal, y.gimbal, {n});",
+        "gimbal_of_inputs": "\n  in(y.gimbal);",
     }
     return said if code.gyros else dict.fromkeys(said, "")
 
 
-def _gyros(code: FlightCode) -> list[str]:
+def _command_unit(code: FlightCode, per: str = "") -> str:
+    return f"N m{per}" + (f", of magnetorquers A m^2{per}" if code.vehicle["magnetorquers"] else "")
+
+
+def _axes(code: FlightCode) -> list[str]:
+    """Lines that say how the actuators turn."""
+
     def vector(v: Sequence[float]) -> str:
         return "{" + ", ".join(f"S({literal(x)})" for x in v) + "}"
 
-    return [
-        f"p.geometry.add({g['actuator']}, {vector(g['gimbal_axis_B'])},\n                   "
+    lines = [
+        f"p.geometry.gyros.add({g['actuator']}, {vector(g['gimbal_axis_B'])},\n                         "
         f"{vector(g['spin_axis_B'])}, S({literal(g['rotor_momentum'])}));  // N m s"
         for g in code.gyros
     ]
+    if code.vehicle["magnetorquers"]:
+        lines.append(f"p.geometry.magnetic.dipole_B.resize(3, {code.actuators});")
+        lines.append(f"p.geometry.magnetic.dipole_B << {_matrix(code.dipole_B)};  // magnetorquers in their columns")
+    return lines
 
 
 def _setting(p: Parameter) -> str:
@@ -143,28 +165,30 @@ def _number(x: float) -> str:
     return literal(x).replace("INFINITY", "infinite")
 
 
+def _matrix(rows: Sequence[Sequence[float]]) -> str:
+    return ",\n        ".join(", ".join(f"S({_number(x)})" for x in row) for row in rows)
+
+
 def _vehicle(code: FlightCode) -> list[str]:
     v = code.vehicle
     n = code.actuators
 
-    def filled_with(rows: list[list[float]]) -> str:
-        return ",\n        ".join(", ".join(f"S({_number(x)})" for x in row) for row in rows)
-
-    lines = [f"v.J_B << {filled_with(v['J_B'])};  // kg m^2, without the wheels' axial inertia"]
-    lines += [f"v.D_B.resize(3, {n});", f"v.D_B << {filled_with(v['D_B'])};  // axes in columns"]
-    for limit, unit in (("u_lo", "N m"), ("u_up", "N m"), ("u_rate", "N m/s"), ("h_max", "N m s")):
-        lines += [f"v.{limit}.resize({n});", f"v.{limit} << {filled_with([v[limit]])};  // {unit}"]
+    lines = [f"v.J_B << {_matrix(v['J_B'])};  // kg m^2, without the wheels' axial inertia"]
+    lines += [f"v.D_B.resize(3, {n});", f"v.D_B << {_matrix(v['D_B'])};  // axes in columns"]
+    u, u_dot = _command_unit(code), _command_unit(code, "/s")
+    for limit, unit in (("u_lo", u), ("u_up", u), ("u_rate", u_dot), ("h_max", "N m s")):
+        lines += [f"v.{limit}.resize({n});", f"v.{limit} << {_matrix([v[limit]])};  // {unit}"]
     if v["u_quantum"]:
         for pulse, meaning in (
             ("u_quantum", "a tick of the valves"),
             ("u_dead", "least pulse"),
             ("u_gap", "least pause"),
         ):
-            lines += [f"v.{pulse}.resize({n});", f"v.{pulse} << {filled_with([v[pulse]])};  // N m, {meaning}"]
-    for mask in ("spare", "wheels"):
+            lines += [f"v.{pulse}.resize({n});", f"v.{pulse} << {_matrix([v[pulse]])};  // N m, {meaning}"]
+    for mask in ("spare", "wheels", "magnetorquers"):
         lines += [f"v.{mask}.set({i});" for i in v[mask]]
     if code.gyros:
-        lines.append("v.moving_axes = true;  // D_B is where they start")
+        lines.append("v.moving_axes = true;  // D_B is where the gyros' axes start")
     if v["orbit_rate"]:
         lines.append(f"v.orbit_rate = S({_number(v['orbit_rate'])});  // rad/s")
     return lines

@@ -14,11 +14,10 @@ from pathlib import Path
 
 from gyrostat import _core
 from gyrostat.components import UNBOUNDED
-from gyrostat.errors import InputError
 from gyrostat.export.compiler import FLAGS, compile_shared, find_compiler, find_eigen, fmi_platform
 from gyrostat.export.cpp import names, write_header
 from gyrostat.export.folder import copy_notices, filled
-from gyrostat.export.model import INPUTS, SKY, FlightCode, Parameter, literal, suffixes
+from gyrostat.export.model import FlightCode, Parameter, literal, suffixes
 from gyrostat.export.places import xml
 from gyrostat.export.recording import write_rows
 
@@ -55,10 +54,6 @@ class Variable:
 
 def write(code: FlightCode, folder: Path) -> None:
     """``<name>.fmu``, the recorded rows and a page that says how to step it."""
-    if code.gyros:
-        raise InputError(
-            "cmg: target fmu has no input for gimbals; export a stack with control moment gyros as c or cpp"
-        )
     compiler, (platform, ending), _ = find_compiler(), fmi_platform(), find_eigen()
     write_rows(code, folder)
     values = names(code) | {"flags": " ".join(FLAGS)}
@@ -85,7 +80,7 @@ def _variables(code: FlightCode) -> Iterator[Variable]:
             yield from _parameter_variables(component.role, p, code.actuators)
     facts = {c["name"]: c for c in code.scenario.channel_names()}
     for signal, width in code.columns.items():
-        causality = "input" if signal in (*INPUTS, *SKY) else "output"
+        causality = "input" if signal in code.inputs else "output"
         kind = "Integer" if signal in _integers else "Boolean" if signal in _switches | _switches_off else "Real"
         for i, suffix in enumerate(suffixes((width,) if width > 1 else ())):
             start = 1.0 if signal in _switches or (signal in _scalar_first and i == 0) else 0.0

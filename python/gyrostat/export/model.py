@@ -71,6 +71,7 @@ _folders = {
     "controller": "controllers",
     "allocator": "allocators",
 }
+"""Of the headers of a role. The desaturation has none: it is the only one."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,8 @@ class FlightCode:
     components: tuple[ComponentCode, ...]
     gyros: tuple[Mapping[str, Any], ...]
     """Control moment gyros: actuator, gimbal_axis_B, spin_axis_B, rotor_momentum."""
+    dipole_B: Sequence[Sequence[float]]
+    """Axes of magnetorquers in their columns, as three rows; empty rows without any."""
     allow_unstable: bool
     capacity: int
     """Most actuators that the library is compiled for: its storage is inline."""
@@ -134,9 +137,19 @@ class FlightCode:
         return len(self.vehicle["u_up"])
 
     @property
+    def inputs(self) -> tuple[str, ...]:
+        """Signals that it takes, in the order of the rows."""
+        return tuple(signal for signal in self.columns if signal not in OUTPUTS)
+
+    @property
     def sees_the_sky(self) -> bool:
         """Whether sun and field are among its inputs."""
         return SKY[0] in self.columns
+
+    @property
+    def axes_move(self) -> bool:
+        """Whether its actuators point elsewhere at every sample."""
+        return bool(self.gyros or self.vehicle["magnetorquers"])
 
     def column(self, signal: str) -> NDArray[np.float64]:
         """The recorded rows of one signal, shape (samples, width)."""
@@ -173,6 +186,7 @@ def flight_code(scenario: Scenario, *, scalar: str, samples: int, name: str | No
         vehicle=model["vehicle"],
         components=components,
         gyros=tuple(model["gyros"]),
+        dipole_B=model["dipole_B"],
         allow_unstable=model["allow_unstable"],
         capacity=model["capacity"],
         bytes=model["bytes"],
@@ -203,7 +217,7 @@ def _refuse_host_only(scenario: Scenario) -> None:
 
 def _component(found: Mapping[str, Any]) -> ComponentCode:
     role, name = found["role"], found["name"]
-    header = f"gyrostat/flight/{_folders[role]}/{name}.hpp"
+    header = "/".join(["gyrostat/flight", *([_folders[role]] if role in _folders else []), f"{name}.hpp"])
     if (
         not found["cpp"].startswith("gyrostat::")
         or found["cpp"].startswith("gyrostat::host::")

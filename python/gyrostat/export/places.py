@@ -86,11 +86,11 @@ def _is_reserved(name: str, words: frozenset[str]) -> bool:
 @cache
 def _reserved() -> tuple[frozenset[str], tuple[str, ...]]:
     """Words of the list and of the templates, and what the templates hang on a name ("" for the name itself)."""
-    from gyrostat.export.model import INPUTS, OUTPUTS, SKY
+    from gyrostat.export.model import GIMBALS, INPUTS, OUTPUTS, SKY
 
     listed = (_folder / "reserved.txt").read_text(encoding="ascii")
     words = {word for line in listed.splitlines() if not line.startswith("#") for word in line.split()}
-    words |= {signal.replace(".", "_") for signal in (*INPUTS, *SKY, *OUTPUTS)}
+    words |= {signal.replace(".", "_") for signal in (*INPUTS, *GIMBALS, *SKY, *OUTPUTS)}
     suffixes = {""}
     for template in (_folder / "templates").rglob("*.in"):
         if template.suffixes[0] in (".h", ".hpp", ".c", ".cpp"):

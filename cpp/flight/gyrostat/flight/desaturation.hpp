@@ -22,7 +22,18 @@ concept Management =
       { m(vehicle, x, det, demand) } noexcept;
     };
 
-struct NoManagement {};
+/// None: nothing is added.
+struct NoManagement {
+  struct Params {
+    template <class S>
+    explicit Params(const Setup<S>&) noexcept {}
+    static constexpr void describe(auto&, auto&&) {}
+  };
+
+  NoManagement() noexcept = default;
+  template <class S>
+  NoManagement(Unchecked, const Setup<S>&, const Params&) noexcept {}
+};
 
 template <class S>
 class CrossProductDesaturation {

@@ -51,17 +51,23 @@ class FlightStack {
     typename C::Params controller;
     typename A::Params allocator;
     typename N::Params navigator;
-    [[no_unique_address]] G geometry{};  ///< of moving axes
+    [[no_unique_address]] G geometry{};                      ///< of moving axes
+    [[no_unique_address]] typename M::Params desaturation;  ///< of momentum management
 
     explicit Params(const Setup<Scalar>& setup) noexcept
-        : observer(setup), detector(setup), controller(setup), allocator(setup), navigator(setup) {}
+        : observer(setup),
+          detector(setup),
+          controller(setup),
+          allocator(setup),
+          navigator(setup),
+          desaturation(setup) {}
   };
 
   /// What each component says of its parameters, and what observer and allocator must agree on.
   static Status<Scalar> check(const Setup<Scalar>& setup, const Params& p) noexcept {
     return component_check<O>(setup, p.observer) && component_check<D>(setup, p.detector) &&
            component_check<C>(setup, p.controller) && component_check<A>(setup, p.allocator) &&
-           component_check<N>(setup, p.navigator) &&
+           component_check<N>(setup, p.navigator) && component_check<M>(setup, p.desaturation) &&
            actuators_can_recover(effectiveness_floor_of<O>(p.observer), effectiveness_floor_of<A>(p.allocator));
   }
 
@@ -69,7 +75,7 @@ class FlightStack {
   FlightStack(Unchecked, const Setup<Scalar>& setup, const Params& p)
       : FlightStack(unchecked, setup, O(unchecked, setup, p.observer), D(unchecked, setup, p.detector),
                     C(unchecked, setup, p.controller), A(unchecked, setup, p.allocator),
-                    N(unchecked, setup, p.navigator), p.geometry) {}
+                    N(unchecked, setup, p.navigator), p.geometry, M(unchecked, setup, p.desaturation)) {}
 
   /// Of components that are there already; whether they agree with each other nobody asks.
   FlightStack(Unchecked, const Setup<Scalar>& setup, O observer, D detector, C controller_, A allocator_, N navigator_,

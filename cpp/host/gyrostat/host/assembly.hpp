@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "gyrostat/flight/moving_axes.hpp"
 #include "gyrostat/flight/stack.hpp"
 #include "gyrostat/host/blocks.hpp"
 #include "gyrostat/host/catalogue.hpp"
@@ -17,25 +18,6 @@
 #include "gyrostat/truth/rigid_plant.hpp"
 
 namespace gyrostat::host {
-
-/// Where the actuators of any vehicle point: control moment gyros by their gimbals, magnetorquers by the field.
-template <class S>
-struct MovingAxes {
-  ControlMomentGyros<S> gyros;
-  MagneticAxes<S> magnetic;
-
-  Axes<S> operator()(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
-    const Axes<S> turned = gyros(vehicle, y);
-    if (!vehicle.magnetorquers.any()) return turned;
-    Axes<S> out = magnetic(vehicle, y);
-    if (!turned.move()) return out;
-    for (int i = 0; i < vehicle.actuators(); ++i) {
-      if (gyros.gyros().test(i)) out.D_B.col(i) = turned.D_B.col(i);
-    }
-    out.h_B = turned.h_B;
-    return out;
-  }
-};
 
 /// Takes momentum off where a scenario says so.
 struct AnyManagement {

@@ -38,13 +38,22 @@ FlightComponent component(const Family<Base>& family, const Assembly& a, const C
 
 FlightModel flight_model(const Assembly& a) {
   const Catalogue& c = catalogue();
-  if (a.setup.vehicle.magnetorquers.any())
-    throw std::invalid_argument(
-        "vehicle: magnetorquers are not exported yet: the axes of a generated stack stand still");
-  FlightModel m{a.setup, a.run.allow_unstable, a.plant.gyros, {}};
+  FlightModel m;
+  m.setup = a.setup;
+  m.allow_unstable = a.run.allow_unstable;
+  m.gyros = a.plant.gyros;
+  if (a.setup.vehicle.magnetorquers.any()) m.dipole_B.setZero(3, a.setup.vehicle.actuators());
+  for (Eigen::Index i = 0; i < m.dipole_B.cols(); ++i) {
+    if (a.setup.vehicle.magnetorquers.test(static_cast<int>(i))) m.dipole_B.col(i) = a.vehicles.D_B.col(i);
+  }
   m.components = {component(c.navigators, a, a.navigator), component(c.observers, a, a.observer),
                   component(c.detectors, a, a.detector), component(c.controllers, a, a.controller),
                   component(c.allocators, a, a.allocator)};
+  if (a.desaturation) {
+    using Law = CrossProductDesaturation<double>;
+    m.components.push_back(
+        {"desaturation", Law::name, {detail::class_name<Law>()}, describe_params<Law::Params>(*a.desaturation)});
+  }
   (void)make_stack(a, {});  // refuses what its components refuse
   const GyrostatPartSizes sizes = part_sizes(a.setup.vehicle.actuators());
   m.capacity = sizes.capacity;
@@ -55,7 +64,7 @@ FlightModel flight_model(const Assembly& a) {
   };
   add("", "frame");
   if (a.navigator.type != "none") add("", "navigation");
-  if (!m.gyros.empty()) add("", "gyros");
+  if (!m.gyros.empty() || m.dipole_B.cols() > 0) add("", "moving_axes");
   for (const FlightComponent& part : m.components) add(part.role, part.name);
   return m;
 }

@@ -5,9 +5,10 @@
 #include <array>
 
 #include "gyrostat/flight/allocators.hpp"
-#include "gyrostat/flight/control_moment_gyros.hpp"
 #include "gyrostat/flight/controllers.hpp"
+#include "gyrostat/flight/desaturation.hpp"
 #include "gyrostat/flight/detectors.hpp"
+#include "gyrostat/flight/moving_axes.hpp"
 #include "gyrostat/flight/navigators.hpp"
 #include "gyrostat/flight/observers.hpp"
 
@@ -45,11 +46,12 @@ constexpr auto joined(const std::array<GyrostatPartSize, n>&... lists) {
 constexpr std::array frames{GyrostatPartSize{nullptr, "frame", frame<double>(), frame<float>()},
                             GyrostatPartSize{nullptr, "navigation", 2 * padded(sizeof(Measurement<double>)),
                                              2 * padded(sizeof(Measurement<float>))},
-                            GyrostatPartSize{nullptr, "gyros", padded(sizeof(ControlMomentGyros<double>)),
-                                             padded(sizeof(ControlMomentGyros<float>))}};
+                            GyrostatPartSize{nullptr, "moving_axes", padded(sizeof(MovingAxes<double>)),
+                                             padded(sizeof(MovingAxes<float>))}};
 constexpr auto parts =
     joined(frames, sizes("navigator", Navigators{}), sizes("observer", Observers{}), sizes("detector", Detectors{}),
-           sizes("controller", Controllers{}), sizes("allocator", Allocators{}));
+           sizes("controller", Controllers{}), sizes("allocator", Allocators{}),
+           sizes("desaturation", Components<CrossProductDesaturation>{}));
 }  // namespace
 
 GyrostatPartSizes GYROSTAT_PART_SIZES() { return {max_actuators, parts.data(), parts.size()}; }
