@@ -71,7 +71,6 @@ def main() -> None:
     warnings.simplefilter("once", FutureWarning)  # old names
     warnings.showwarning = printing.warning
     warnings.simplefilter("ignore", RuntimeWarning)  # of numpy: what overflows is seen in what is printed
-    warnings.formatwarning = lambda message, *_, **__: f"note: {message}\n"
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
         _watch_for_interruption()

@@ -567,7 +567,7 @@ def test_the_command_names_a_damaged_part(tmp_path: Path) -> None:
     part = campaign().run(20, out=tmp_path / "out").parts()[0].path
     part.write_bytes(part.read_bytes()[:200])
     again = gyrostat(toml_of(tmp_path), "--runs", "20", "--out", tmp_path / "out")
-    assert again.stderr == f"note: {part}: is not what was written, and is flown again\n"
+    assert again.stderr == f"warning: {part}: is not what was written, and is flown again\n"
     assert again.returncode == 0
 
 
