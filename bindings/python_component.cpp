@@ -126,11 +126,11 @@ class PythonModel : public Base {
 class PythonNavigator final : public PythonModel<host::NavigatorBase> {
  public:
   using PythonModel::PythonModel;
-  Measurement<double> start(const Measurement<double>& y) final {
+  Measurement<double> start(const Vehicle<double>&, const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result((*start_)(y), "start", y) : result((*step_)(y), "step", y);
   }
-  Measurement<double> step(const Measurement<double>& y) final {
+  Measurement<double> step(const Vehicle<double>&, const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return result((*step_)(y), "step", y);
   }
@@ -148,15 +148,15 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
  public:
   PythonObserver(const py::object& object, const Setup<double>& setup, const char* role, Use use)
       : PythonModel(object, setup, role, use), skip_(function("skip")), shift_rate_(function("shift_rate")) {}
-  Estimate<double> start(const Measurement<double>& y) final {
+  Estimate<double> start(const Vehicle<double>&, const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result((*start_)(y), "start", y) : result((*step_)(y, idle()), "step", y);
   }
-  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) final {
+  Estimate<double> step(const Vehicle<double>&, const Measurement<double>& y, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return result((*step_)(y, last), "step", y);
   }
-  Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) final {
+  Estimate<double> skip(const Vehicle<double>&, const Measurement<double>& y, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return skip_ ? result((*skip_)(y, last), "skip", y) : result((*step_)(y, last), "step", y);
   }
@@ -182,11 +182,11 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
 class PythonDetector final : public PythonModel<host::DetectorBase> {
  public:
   using PythonModel::PythonModel;
-  Detection<double> start(const Estimate<double>& x) final {
+  Detection<double> start(const Vehicle<double>&, const Estimate<double>& x) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result((*start_)(x), "start") : result((*step_)(x, idle()), "step");
   }
-  Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) final {
+  Detection<double> step(const Vehicle<double>&, const Estimate<double>& x, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return result((*step_)(x, last), "step");
   }
@@ -207,12 +207,13 @@ class PythonDetector final : public PythonModel<host::DetectorBase> {
 class PythonController final : public PythonModel<host::ControllerBase> {
  public:
   using PythonModel::PythonModel;
-  Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) final {
+  Demand<double> start(const Vehicle<double>&, const Estimate<double>& x, const Detection<double>& det,
+                       const Reference<double>& ref) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result((*start_)(x, det, ref), "start") : result((*step_)(x, det, ref, idle()), "step");
   }
-  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                      const Allocation<double>& last) final {
+  Demand<double> step(const Vehicle<double>&, const Estimate<double>& x, const Detection<double>& det,
+                      const Reference<double>& ref, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return result((*step_)(x, det, ref, last), "step");
   }
@@ -234,12 +235,13 @@ class PythonAllocator final : public PythonModel<host::AllocatorBase> {
  public:
   PythonAllocator(const py::object& object, const Setup<double>& setup, const char* role, Use use)
       : PythonModel(object, setup, role, use), reset_(function("reset")) {}
-  void reset() final {
+  void reset(const Vehicle<double>&) final {
     if (!reset_) return;
     const py::gil_scoped_acquire gil;
     (*reset_)();
   }
-  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x, const Detection<double>& det) final {
+  Allocation<double> step(const Vehicle<double>&, const Demand<double>& demand, const Estimate<double>& x,
+                          const Detection<double>& det) final {
     const py::gil_scoped_acquire gil;
     const py::object out = (*step_)(demand, x, det);
     if (py::isinstance<Allocation<double>>(out)) {

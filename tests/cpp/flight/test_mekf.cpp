@@ -7,6 +7,7 @@
 #include <random>
 
 #include "../golden.hpp"
+#include "alone.hpp"
 #include "vehicles.hpp"
 
 namespace gyrostat::test {
@@ -35,7 +36,7 @@ TEST(Mekf, EqualsTheReferenceRows) {
   p.attitude_noise = {2e-5, 2e-5, 1.2e-4};
   p.q_BS = mounting();
   p.latency = 2;
-  Mekf<double> filter(unchecked, setup, p);
+  Alone<Mekf<double>> filter(unchecked, setup, p);
   for (std::size_t k = 0; k < 20; ++k) {
     const auto v = [&](const char* name) { return golden.at(name, k); };
     Measurement<double> y;
@@ -114,14 +115,14 @@ struct Flight {
     p.latency = latency;
     return p;
   }
-  Mekf<S> filter() const {
+  Alone<Mekf<S>> filter() const {
     typename Mekf<S>::Params q(slow_vehicle<S>(static_cast<S>(dt)));
     q.angle_random_walk = static_cast<S>(s_v);
     q.rate_random_walk = static_cast<S>(s_u);
     q.attitude_noise = sigma.cast<S>();
     q.q_BS = mounting().cast<S>();
     q.latency = latency;
-    return Mekf<S>(unchecked, slow_vehicle<S>(static_cast<S>(dt)), q);
+    return Alone<Mekf<S>>(unchecked, slow_vehicle<S>(static_cast<S>(dt)), q);
   }
 
   std::mt19937 random;
@@ -289,7 +290,7 @@ TEST(Mekf, ACoarseFirstAttitudeIsForgottenAtTheNextFix) {
   Flight<double> flight(13);
   Params p = flight.params();
   p.attitude0 = 0.5;
-  Mekf<double> filter(unchecked, slow_vehicle(flight.dt), p);
+  Alone<Mekf<double>> filter(unchecked, slow_vehicle(flight.dt), p);
   Measurement<double> first = flight.next();
   first.attitude_valid = true;
   first.q_NB = flight.q * quat_exp<double>({0.3, -0.3, 0.26});
