@@ -251,11 +251,11 @@ class PythonModel : public Base {
 class PythonNavigator final : public PythonModel<host::NavigatorBase> {
  public:
   using PythonModel::PythonModel;
-  Measurement<double> start(const Measurement<double>& y) final {
+  Measurement<double> start(const Vehicle<double>&, const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result(call(start_, "start", y.tick, y), "start", y) : stepped(y);
   }
-  Measurement<double> step(const Measurement<double>& y) final {
+  Measurement<double> step(const Vehicle<double>&, const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return stepped(y);
   }
@@ -276,15 +276,15 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
  public:
   PythonObserver(const py::object& object, const Setup<double>& setup, const char* role, const Begin& begin)
       : PythonModel(object, setup, role, begin), skip_(function("skip")), shift_rate_(function("shift_rate")) {}
-  Estimate<double> start(const Measurement<double>& y) final {
+  Estimate<double> start(const Vehicle<double>&, const Measurement<double>& y) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result(call(start_, "start", y.tick, y), "start", y) : stepped(y, idle());
   }
-  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) final {
+  Estimate<double> step(const Vehicle<double>&, const Measurement<double>& y, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return stepped(y, last);
   }
-  Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) final {
+  Estimate<double> skip(const Vehicle<double>&, const Measurement<double>& y, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return skip_ ? result(call(skip_, "skip", y.tick, y, last), "skip", y) : stepped(y, last);
   }
@@ -313,11 +313,11 @@ class PythonObserver final : public PythonModel<host::ObserverBase> {
 class PythonDetector final : public PythonModel<host::DetectorBase> {
  public:
   using PythonModel::PythonModel;
-  Detection<double> start(const Estimate<double>& x) final {
+  Detection<double> start(const Vehicle<double>&, const Estimate<double>& x) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result(call(start_, "start", x.tick, x), "start") : stepped(x, idle());
   }
-  Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) final {
+  Detection<double> step(const Vehicle<double>&, const Estimate<double>& x, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return stepped(x, last);
   }
@@ -341,12 +341,13 @@ class PythonDetector final : public PythonModel<host::DetectorBase> {
 class PythonController final : public PythonModel<host::ControllerBase> {
  public:
   using PythonModel::PythonModel;
-  Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) final {
+  Demand<double> start(const Vehicle<double>&, const Estimate<double>& x, const Detection<double>& det,
+                       const Reference<double>& ref) final {
     const py::gil_scoped_acquire gil;
     return start_ ? result(call(start_, "start", x.tick, x, det, ref), "start") : stepped(x, det, ref, idle());
   }
-  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                      const Allocation<double>& last) final {
+  Demand<double> step(const Vehicle<double>&, const Estimate<double>& x, const Detection<double>& det,
+                      const Reference<double>& ref, const Allocation<double>& last) final {
     const py::gil_scoped_acquire gil;
     return stepped(x, det, ref, last);
   }
@@ -372,12 +373,13 @@ class PythonAllocator final : public PythonModel<host::AllocatorBase> {
  public:
   PythonAllocator(const py::object& object, const Setup<double>& setup, const char* role, const Begin& begin)
       : PythonModel(object, setup, role, begin), reset_(function("reset")) {}
-  void reset() final {
+  void reset(const Vehicle<double>&) final {
     if (!reset_) return;
     const py::gil_scoped_acquire gil;
     (*reset_)();
   }
-  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x, const Detection<double>& det) final {
+  Allocation<double> step(const Vehicle<double>&, const Demand<double>& demand, const Estimate<double>& x,
+                          const Detection<double>& det) final {
     const py::gil_scoped_acquire gil;
     const py::object out = call(step_, "step", x.tick, demand, x, det);
     if (py::isinstance<Allocation<double>>(out)) {

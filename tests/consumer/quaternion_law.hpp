@@ -37,12 +37,13 @@ class QuaternionLaw {
 
   QuaternionLaw(gyrostat::Unchecked, const gyrostat::Setup<S>&, const Params& params) noexcept : params_(params) {}
 
-  [[nodiscard]] gyrostat::Demand<S> start(const gyrostat::Estimate<S>& x, const gyrostat::Detection<S>&,
-                                          const gyrostat::Reference<S>& ref) noexcept {
+  [[nodiscard]] gyrostat::Demand<S> start(const gyrostat::Vehicle<S>&, const gyrostat::Estimate<S>& x,
+                                          const gyrostat::Detection<S>&, const gyrostat::Reference<S>& ref) noexcept {
     return demand(x, ref);
   }
-  [[nodiscard]] gyrostat::Demand<S> step(const gyrostat::Estimate<S>& x, const gyrostat::Detection<S>&,
-                                         const gyrostat::Reference<S>& ref, const gyrostat::Allocation<S>&) noexcept {
+  [[nodiscard]] gyrostat::Demand<S> step(const gyrostat::Vehicle<S>&, const gyrostat::Estimate<S>& x,
+                                         const gyrostat::Detection<S>&, const gyrostat::Reference<S>& ref,
+                                         const gyrostat::Allocation<S>&) noexcept {
     return demand(x, ref);
   }
   void telemetry(auto&&) const {}

@@ -33,8 +33,8 @@ class Delay {
 template <class S>
 struct Dry {
   using Scalar = S;
-  explicit Dry(const Setup<S>& s) noexcept : setup(s) {}
-  Setup<S> setup;
+  explicit Dry(const Setup<S>& s) noexcept : dt(s.dt) {}
+  S dt;
 };
 
 // ---- li2018: rate and issued command in, d_B out; s needs the first sample and the demand that was held --------------------
@@ -42,13 +42,13 @@ template <class S>
 struct Li2018Observer : Dry<S> {
   using Dry<S>::Dry;
   Vec3<S> omega, omega_hat, eta;
-  Estimate<S> start(const Measurement<S>& y) noexcept {
+  Estimate<S> start(const Vehicle<S>&, const Measurement<S>& y) noexcept {
     omega = omega_hat = y.omega_BN_B;
     eta.setZero();
     return Estimate<S>::healthy(y);
   }
-  Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    omega_hat += this->setup.dt * (torque<S>(this->setup.vehicle.D_B, last.u) + eta);
+  Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    omega_hat += this->dt * (torque<S>(vehicle.D_B, last.u) + eta);
     omega = y.omega_BN_B;
     Estimate<S> x = Estimate<S>::healthy(y);
     x.d_B = omega - omega_hat;
@@ -59,13 +59,15 @@ template <class S>
 struct Li2018Controller : Dry<S> {
   using Dry<S>::Dry;
   Vec3<S> omega_0, momentum, u_nominal, gain;
-  Demand<S> start(const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref) noexcept {
+  Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>& det,
+                  const Reference<S>& ref) noexcept {
     omega_0 = x.omega_BN_B;
     momentum.setZero();
-    return step(x, det, ref, Allocation<S>::idle(this->setup.vehicle.actuators()));
+    return step(vehicle, x, det, ref, Allocation<S>::idle(vehicle.actuators()));
   }
-  Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref, const Allocation<S>&) noexcept {
-    momentum += this->setup.dt * u_nominal;
+  Demand<S> step(const Vehicle<S>&, const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                 const Allocation<S>&) noexcept {
+    momentum += this->dt * u_nominal;
     u_nominal = -attitude_error(x.q_NB, x.omega_BN_B, ref.q_NR, ref.omega_RN_R).omega_BR_B;
     Demand<S> demand;
     demand.tau_B = u_nominal - x.d_B - (x.omega_BN_B - omega_0 - momentum);
@@ -85,15 +87,15 @@ struct Cao2022Observer : Dry<S> {
   VecN<S> effectiveness;
   Delay<VecN<S>> old_effectiveness;
   Delay<Vec3<S>> old_error;
-  Estimate<S> start(const Measurement<S>& y) noexcept {
+  Estimate<S> start(const Vehicle<S>&, const Measurement<S>& y) noexcept {
     omega_hat = y.omega_BN_B;
     return estimate(y);
   }
-  Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+  Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>& last) noexcept {
     // The prediction over [k-1, k] uses u, the estimate and the injection of k-1: all are at hand at k.
-    omega_hat += this->setup.dt * (torque<S>(this->setup.vehicle.D_B, effectiveness.cwiseProduct(last.u)) + injection);
+    omega_hat += this->dt * (torque<S>(vehicle.D_B, effectiveness.cwiseProduct(last.u)) + injection);
     const Vec3<S> error = y.omega_BN_B - omega_hat;
-    const VecN<S> learnt = project<S>(this->setup.vehicle.D_B, Vec3<S>(error + old_error.exchange(error)));
+    const VecN<S> learnt = project<S>(vehicle.D_B, Vec3<S>(error + old_error.exchange(error)));
     effectiveness = old_effectiveness.exchange(effectiveness) + last.u.cwiseProduct(learnt);
     injection = sgn(error);
     return estimate(y);
@@ -107,10 +109,11 @@ struct Cao2022Observer : Dry<S> {
 template <class S>
 struct Cao2022Controller : Dry<S> {
   using Dry<S>::Dry;
-  Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  Demand<S> start(const Vehicle<S>&, const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
     return demand(x, ref);
   }
-  Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref, const Allocation<S>&) noexcept {
+  Demand<S> step(const Vehicle<S>&, const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                 const Allocation<S>&) noexcept {
     return demand(x, ref);
   }
   Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
@@ -130,9 +133,11 @@ struct Wang2023Observer : Dry<S> {
       : Dry<S>(s), old_torque(1, Vec3<S>(Vec3<S>::Zero())), old_error(1, Vec3<S>(Vec3<S>::Zero())) {}
   Vec3<S> omega_hat = Vec3<S>::Zero(), u_f = Vec3<S>::Zero(), error = Vec3<S>::Zero();
   Delay<Vec3<S>> old_torque, old_error;
-  Estimate<S> start(const Measurement<S>& y) noexcept { return learn(y); }  // cold start: the rate estimate is zero
-  Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    omega_hat += this->setup.dt * (torque<S>(this->setup.vehicle.D_B, last.u) + u_f + error + sgn(error));
+  Estimate<S> start(const Vehicle<S>&, const Measurement<S>& y) noexcept {
+    return learn(y);
+  }  // cold start: the rate estimate is zero
+  Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    omega_hat += this->dt * (torque<S>(vehicle.D_B, last.u) + u_f + error + sgn(error));
     return learn(y);
   }
   Estimate<S> learn(const Measurement<S>& y) noexcept {
@@ -149,8 +154,11 @@ struct Wang2023Controller : Dry<S> {
       : Dry<S>(s), old_torque(1, Vec3<S>(Vec3<S>::Zero())), old_surface(1, Vec3<S>(Vec3<S>::Zero())) {}
   Vec3<S> u_d = Vec3<S>::Zero();
   Delay<Vec3<S>> old_torque, old_surface;
-  Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept { return learn(x, ref); }
-  Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref, const Allocation<S>&) noexcept {
+  Demand<S> start(const Vehicle<S>&, const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+    return learn(x, ref);
+  }
+  Demand<S> step(const Vehicle<S>&, const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                 const Allocation<S>&) noexcept {
     return learn(x, ref);
   }
   Demand<S> learn(const Estimate<S>& x, const Reference<S>& ref) noexcept {
@@ -170,22 +178,21 @@ struct Cao2023Observer : Dry<S> {
       : Dry<S>(s), old_f(10, Vec3<S>(Vec3<S>::Zero())), old_error(10, Vec3<S>(Vec3<S>::Zero())) {}
   Vec3<S> rates, error = Vec3<S>::Zero(), f = Vec3<S>::Zero();
   Delay<Vec3<S>> old_f, old_error;
-  Estimate<S> start(const Measurement<S>& y) noexcept {
+  Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     rates = y.euler.rates;
-    return learn(y);
+    return learn(vehicle, y);
   }
-  Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const Vec3<S> unexplained = (y.euler.rates - rates) / this->setup.dt -
-                                this->setup.vehicle.orbit_rate * y.euler.angles -
-                                torque<S>(this->setup.vehicle.D_B, last.u);
-    error += this->setup.dt * (unexplained - f);
+  Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    const Vec3<S> unexplained =
+        (y.euler.rates - rates) / this->dt - vehicle.orbit_rate * y.euler.angles - torque<S>(vehicle.D_B, last.u);
+    error += this->dt * (unexplained - f);
     rates = y.euler.rates;
-    return learn(y);
+    return learn(vehicle, y);
   }
-  Estimate<S> learn(const Measurement<S>& y) noexcept {
+  Estimate<S> learn(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     f = old_f.exchange(f) + old_error.exchange(error) + error;
     Estimate<S> x = Estimate<S>::healthy(y);
-    x.d_B = this->setup.vehicle.J_B * f;  // N m, with D := J B
+    x.d_B = vehicle.J_B * f;  // N m, with D := J B
     return x;
   }
 };
@@ -194,19 +201,20 @@ struct Cao2023Controller : Dry<S> {
   using Dry<S>::Dry;
   Tick first = 0;
   Vec3<S> d0, d1, d2;  // error, its rate and acceleration at the start
-  Demand<S> start(const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref) noexcept {
+  Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>& det,
+                  const Reference<S>& ref) noexcept {
     first = x.tick;
     d0 = x.euler.angles - ref.euler.angles;
     d1 = x.euler.rates - ref.euler.rates;
     d2 = -ref.euler_accelerations;
-    return step(x, det, ref, {});
+    return step(vehicle, x, det, ref, {});
   }
-  Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref, const Allocation<S>&) noexcept {
-    const S t = static_cast<S>(x.tick - first) * this->setup.dt;
+  Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
+                 const Allocation<S>&) noexcept {
+    const S t = static_cast<S>(x.tick - first) * this->dt;
     const Vec3<S> p = d0 + t * d1 + t * t * d2;
     Demand<S> demand;
-    demand.tau_B =
-        -(this->setup.vehicle.J_B * (x.euler.angles - ref.euler.angles - p - ref.euler_accelerations)) - x.d_B;
+    demand.tau_B = -(vehicle.J_B * (x.euler.angles - ref.euler.angles - p - ref.euler_accelerations)) - x.d_B;
     return demand;
   }
 };
@@ -217,9 +225,9 @@ struct Yang2023Observer : Cao2022Observer<S> {
   using Cao2022Observer<S>::Cao2022Observer;
   Vec3<S> k1, k4;
   S k2 = S(0);
-  Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+  Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>& last) noexcept {
     // A spare that is off has u = 0 and is gated by that: no detection is needed here.
-    Estimate<S> x = Cao2022Observer<S>::step(y, last);
+    Estimate<S> x = Cao2022Observer<S>::step(vehicle, y, last);
     for (int i = 0; i < last.u.size(); ++i) {
       if (std::abs(last.u[i]) > S(0.05)) x.effectiveness_bound[i] = S(0.1);
     }
@@ -233,8 +241,8 @@ struct Yang2023Detector : Dry<S> {
   Detection<S> det;
   VecN<S> reference;
   std::array<int, max_actuators> samples{};  // how long each has been off its reference
-  Detection<S> start(const Estimate<S>&) noexcept { return det; }
-  Detection<S> step(const Estimate<S>& x, const Allocation<S>& last) noexcept {
+  Detection<S> start(const Vehicle<S>&, const Estimate<S>&) noexcept { return det; }
+  Detection<S> step(const Vehicle<S>&, const Estimate<S>& x, const Allocation<S>& last) noexcept {
     for (int i = 0; i < reference.size(); ++i) {
       const bool off = std::abs(last.u[i]) > S(0.05) && std::abs(x.effectiveness[i] - reference[i]) > S(0.2);
       int& count = samples[static_cast<std::size_t>(i)];
@@ -255,22 +263,23 @@ struct Yang2023Controller : Dry<S> {
   Tick armed = 0;
   S sign = S(1);
   Vec3<S> funnel;
-  Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
-    arm(x, ref);
+  Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                  const Reference<S>& ref) noexcept {
+    arm(vehicle, x, ref);
     return demand(x, ref);
   }
-  Demand<S> step(const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref,
+  Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref,
                  const Allocation<S>&) noexcept {
-    if (det.event != fault_event || ref.event != reference_event) arm(x, ref);
+    if (det.event != fault_event || ref.event != reference_event) arm(vehicle, x, ref);
     fault_event = det.event;
     reference_event = ref.event;
     return demand(x, ref);
   }
-  void arm(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+  void arm(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
     armed = x.tick;
     const Quat<S> q = ref.q_NR.conjugate() * x.q_NB;
     sign = q.w() < S(0) ? S(-1) : S(1);
-    const S weakest = this->setup.vehicle.u_up.minCoeff() * x.effectiveness.minCoeff();
+    const S weakest = vehicle.u_up.minCoeff() * x.effectiveness.minCoeff();
     funnel = q.vec().cwiseAbs() + euler(q) / weakest;
   }
   Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
@@ -285,11 +294,12 @@ struct Yang2023Controller : Dry<S> {
 template <class S>
 struct Yang2023Allocator : Dry<S> {
   using Dry<S>::Dry;
-  void reset() noexcept {}
-  Allocation<S> step(const Demand<S>& demand, const Estimate<S>& x, const Detection<S>& det) noexcept {
-    Allocation<S> out = Allocation<S>::idle(this->setup.vehicle.actuators());
+  void reset(const Vehicle<S>&) noexcept {}
+  Allocation<S> step(const Vehicle<S>& vehicle, const Demand<S>& demand, const Estimate<S>& x,
+                     const Detection<S>& det) noexcept {
+    Allocation<S> out = Allocation<S>::idle(vehicle.actuators());
     for (int i = 0; i < out.u.size(); ++i) {
-      if (det.enabled.test(i)) out.u[i] = this->setup.vehicle.D_B.col(i).dot(demand.tau_B) * x.effectiveness[i];
+      if (det.enabled.test(i)) out.u[i] = vehicle.D_B.col(i).dot(demand.tau_B) * x.effectiveness[i];
     }
     out.worst_case = x.effectiveness_bound.minCoeff();
     out.gap = S(0);

@@ -31,32 +31,36 @@ Estimate<S> estimated(Tick k) {
 // What a component gives at sample k, whatever its scalar.
 template <Observer T, class S = typename T::Scalar>
 VecN<double> answer(T& observer, Tick k) {
+  const Vehicle<S> vehicle = ftc_4rw<S>().vehicle;
   const Measurement<S> y = wobble<S>(k, 4);
-  const Estimate<S> x = k == 0 ? observer.start(y) : observer.step(y, commanded<S>(k - 1));
+  const Estimate<S> x = k == 0 ? observer.start(vehicle, y) : observer.step(vehicle, y, commanded<S>(k - 1));
   VecN<double> out(7);
   out << x.d_B.template cast<double>(), x.effectiveness.template cast<double>();
   return out;
 }
 template <Detector T, class S = typename T::Scalar>
 VecN<double> answer(T& detector, Tick k) {
+  const Vehicle<S> vehicle = ftc_4rw<S>().vehicle;
   const Estimate<S> x = estimated<S>(k);
-  const Detection<S> det = k == 0 ? detector.start(x) : detector.step(x, commanded<S>(k - 1));
+  const Detection<S> det = k == 0 ? detector.start(vehicle, x) : detector.step(vehicle, x, commanded<S>(k - 1));
   return VecN<double>::Constant(1, det.enabled.bits() + 16.0 * det.changed.bits());
 }
 template <Controller T, class S = typename T::Scalar>
 VecN<double> answer(T& controller, Tick k) {
+  const Vehicle<S> vehicle = ftc_4rw<S>().vehicle;
   const Estimate<S> x = estimated<S>(k);
-  const Detection<S> det = Detection<S>::none(ftc_4rw<S>().vehicle);
-  return (k == 0 ? controller.start(x, det, {}) : controller.step(x, det, {}, commanded<S>(k - 1)))
+  const Detection<S> det = Detection<S>::none(vehicle);
+  return (k == 0 ? controller.start(vehicle, x, det, {}) : controller.step(vehicle, x, det, {}, commanded<S>(k - 1)))
       .tau_B.template cast<double>();
 }
 template <Allocator T, class S = typename T::Scalar>
 VecN<double> answer(T& allocator, Tick k) {
+  const Vehicle<S> vehicle = ftc_4rw<S>().vehicle;
   Demand<S> demand;
-  demand.tau_B = ftc_4rw<S>().vehicle.D_B * commanded<S>(k).u;
+  demand.tau_B = vehicle.D_B * commanded<S>(k).u;
   demand.u_pref.setZero(4);
   const Estimate<S> x = estimated<S>(k);
-  return allocator.step(demand, x, Detection<S>::none(ftc_4rw<S>().vehicle)).u.template cast<double>();
+  return allocator.step(vehicle, demand, x, Detection<S>::none(vehicle)).u.template cast<double>();
 }
 
 /// Over 500 samples, of the largest number that the component gives.

@@ -228,9 +228,11 @@ template <class S>
 struct Knowing : PassthroughObserver<S> {
   using PassthroughObserver<S>::PassthroughObserver;
   S d_B = S(0);
-  Estimate<S> start(const Measurement<S>& y) noexcept { return known(PassthroughObserver<S>::start(y)); }
-  Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    return known(PassthroughObserver<S>::step(y, last));
+  Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    return known(PassthroughObserver<S>::start(vehicle, y));
+  }
+  Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>& last) noexcept {
+    return known(PassthroughObserver<S>::step(vehicle, y, last));
   }
   Estimate<S> known(Estimate<S> x) const noexcept {
     x.effectiveness[1] = S(0.5);
@@ -398,9 +400,10 @@ TEST(GuardSkips, AnObserverWithoutSkipSeesTheBits) {
   struct Counting : PassthroughObserver<double> {
     using PassthroughObserver::PassthroughObserver;
     int unmeasured = 0;
-    Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+    Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                          const Allocation<double>& last) noexcept {
       unmeasured += !y.rate_valid;
-      return PassthroughObserver::step(y, last);
+      return PassthroughObserver::step(vehicle, y, last);
     }
   };
   auto stack = stack_of<Counting, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(ftc_4rw<double>());
@@ -568,13 +571,15 @@ TEST(GuardJumps, ASensorThatGoesOnJumpingIsFlownAsItIsAndTeachesNothing) {
   struct Taught : PassthroughObserver<double> {
     using PassthroughObserver::PassthroughObserver;
     int steps = 0, skips = 0;
-    Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+    Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                          const Allocation<double>& last) noexcept {
       ++steps;
-      return PassthroughObserver::step(y, last);
+      return PassthroughObserver::step(vehicle, y, last);
     }
-    Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) noexcept {
+    Estimate<double> skip(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                          const Allocation<double>& last) noexcept {
       ++skips;
-      return PassthroughObserver::step(y, last);
+      return PassthroughObserver::step(vehicle, y, last);
     }
   };
   auto stack = stack_of<Taught, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>(setup);
@@ -599,9 +604,9 @@ TEST(GuardJumps, WhatCommandAndRateExplainIsNone) {
   setup.vehicle.J_B = satellite_inertia<double>();
   struct Thrown : OpenLoop<double> {  // 2000 N m for a moment: 100 rad/s^2 that flight has asked for itself
     using OpenLoop::OpenLoop;
-    Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                        const Allocation<double>& last) noexcept {
-      Demand<double> out = OpenLoop::step(x, det, ref, last);
+    Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                        const Reference<double>& ref, const Allocation<double>& last) noexcept {
+      Demand<double> out = OpenLoop::step(vehicle, x, det, ref, last);
       if (x.tick >= 10 && x.tick < 20) out.tau_B = {2000, -2000, 1000};
       return out;
     }
@@ -658,12 +663,13 @@ constexpr Tick trouble = 10;
 struct BadObserver : PassthroughObserver<double> {
   using PassthroughObserver::PassthroughObserver;
   int starts = 0;
-  Estimate<double> start(const Measurement<double>& y) noexcept {
+  Estimate<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) noexcept {
     ++starts;
-    return PassthroughObserver::start(y);
+    return PassthroughObserver::start(vehicle, y);
   }
-  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-    Estimate<double> x = PassthroughObserver::step(y, last);
+  Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                        const Allocation<double>& last) noexcept {
+    Estimate<double> x = PassthroughObserver::step(vehicle, y, last);
     if (y.tick == trouble) x.d_B[0] = nan_of<double>();
     return x;
   }
@@ -672,12 +678,13 @@ struct BadObserver : PassthroughObserver<double> {
 struct BadDetector : NoDetector<double> {
   using NoDetector::NoDetector;
   int starts = 0;
-  Detection<double> start(const Estimate<double>& x) noexcept {
+  Detection<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x) noexcept {
     ++starts;
-    return NoDetector::start(x);
+    return NoDetector::start(vehicle, x);
   }
-  Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) noexcept {
-    Detection<double> det = NoDetector::step(x, last);
+  Detection<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x,
+                         const Allocation<double>& last) noexcept {
+    Detection<double> det = NoDetector::step(vehicle, x, last);
     if (x.tick == trouble) det.u_probe = VecN<double>::Constant(4, nan_of<double>());
     return det;
   }
@@ -686,13 +693,14 @@ struct BadDetector : NoDetector<double> {
 struct BadController : MrpFeedback<double> {
   using MrpFeedback::MrpFeedback;
   int starts = 0;
-  Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) noexcept {
+  Demand<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                       const Reference<double>& ref) noexcept {
     ++starts;
-    return MrpFeedback::start(x, det, ref);
+    return MrpFeedback::start(vehicle, x, det, ref);
   }
-  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                      const Allocation<double>& last) noexcept {
-    Demand<double> demand = MrpFeedback::step(x, det, ref, last);
+  Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                      const Reference<double>& ref, const Allocation<double>& last) noexcept {
+    Demand<double> demand = MrpFeedback::step(vehicle, x, det, ref, last);
     if (x.tick == trouble) demand.tau_B[2] = std::numeric_limits<double>::infinity();
     return demand;
   }
@@ -701,13 +709,13 @@ struct BadController : MrpFeedback<double> {
 struct BadAllocator : PseudoInverse<double> {
   using PseudoInverse::PseudoInverse;
   int starts = -1;  // the stack resets it once before the first sample
-  void reset() noexcept {
+  void reset(const Vehicle<double>& vehicle) noexcept {
     ++starts;
-    PseudoInverse::reset();
+    PseudoInverse::reset(vehicle);
   }
-  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+  Allocation<double> step(const Vehicle<double>& vehicle, const Demand<double>& demand, const Estimate<double>& x,
                           const Detection<double>& det) noexcept {
-    Allocation<double> out = PseudoInverse::step(demand, x, det);
+    Allocation<double> out = PseudoInverse::step(vehicle, demand, x, det);
     if (x.tick == trouble) out.u[1] = nan_of<double>();
     if (x.tick > trouble + 5) out.u.setConstant(7);  // far outside of its box
     return out;
@@ -740,8 +748,9 @@ TEST(GuardRestarts, AnObserver) {
 TEST(GuardRestarts, AnObserverWhoseTorqueNothingCouldMake) {
   struct Carried : BadObserver {  // finite, and there to stay
     using BadObserver::BadObserver;
-    Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-      Estimate<double> x = PassthroughObserver::step(y, last);
+    Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                          const Allocation<double>& last) noexcept {
+      Estimate<double> x = PassthroughObserver::step(vehicle, y, last);
       const double all = std::max(4 * 0.2, 0.04 * largest_inertia(satellite_inertia<double>()));
       if (y.tick == trouble) x.d_B[2] = -1001 * all;
       if (y.tick == trouble - 1) x.d_B[1] = 999 * all;  // absurd, but believed
@@ -781,8 +790,9 @@ TEST(GuardRestarts, AnAllocator) {
 template <int n>
 struct WrongEstimate : BadObserver {
   using BadObserver::BadObserver;
-  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-    Estimate<double> x = PassthroughObserver::step(y, last);
+  Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                        const Allocation<double>& last) noexcept {
+    Estimate<double> x = PassthroughObserver::step(vehicle, y, last);
     if (y.tick == trouble && n == 0) x.h_w.resize(0);
     if (y.tick == trouble && n == 1) x.effectiveness.setOnes(3);
     if (y.tick == trouble && n == 2) x.effectiveness_bound.setOnes(16);
@@ -805,8 +815,9 @@ TEST(GuardRestarts, AnObserverWithAnEstimateOfTheWrongSizeOrSign) {
 TEST(GuardRestarts, ADetectorWithAProbeOfTheWrongSize) {
   struct Wrong : BadDetector {
     using BadDetector::BadDetector;
-    Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) noexcept {
-      Detection<double> det = NoDetector::step(x, last);
+    Detection<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x,
+                           const Allocation<double>& last) noexcept {
+      Detection<double> det = NoDetector::step(vehicle, x, last);
       if (x.tick == trouble) det.u_probe = VecN<double>::Constant(3, 0.01);
       return det;
     }
@@ -817,18 +828,18 @@ TEST(GuardRestarts, ADetectorWithAProbeOfTheWrongSize) {
 TEST(GuardRestarts, AControllerWithAPreferenceOfTheWrongSizeOrADemandBeyondSense) {
   struct Wrong : BadController {
     using BadController::BadController;
-    Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                        const Allocation<double>& last) noexcept {
-      Demand<double> demand = MrpFeedback::step(x, det, ref, last);
+    Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                        const Reference<double>& ref, const Allocation<double>& last) noexcept {
+      Demand<double> demand = MrpFeedback::step(vehicle, x, det, ref, last);
       if (x.tick == trouble) demand.u_pref.setZero(5);
       return demand;
     }
   };
   struct Huge : BadController {
     using BadController::BadController;
-    Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                        const Allocation<double>& last) noexcept {
-      Demand<double> demand = MrpFeedback::step(x, det, ref, last);
+    Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                        const Reference<double>& ref, const Allocation<double>& last) noexcept {
+      Demand<double> demand = MrpFeedback::step(vehicle, x, det, ref, last);
       if (x.tick == trouble) demand.tau_B[1] = 1e20;
       return demand;
     }
@@ -840,9 +851,9 @@ TEST(GuardRestarts, AControllerWithAPreferenceOfTheWrongSizeOrADemandBeyondSense
 TEST(GuardRestarts, AnAllocatorWithACommandOfTheWrongSize) {
   struct Wrong : BadAllocator {
     using BadAllocator::BadAllocator;
-    Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+    Allocation<double> step(const Vehicle<double>& vehicle, const Demand<double>& demand, const Estimate<double>& x,
                             const Detection<double>& det) noexcept {
-      Allocation<double> out = PseudoInverse::step(demand, x, det);
+      Allocation<double> out = PseudoInverse::step(vehicle, demand, x, det);
       if (x.tick == trouble) out.u.resize(2);
       return out;
     }
@@ -868,9 +879,9 @@ TEST(GuardHolds, ACommandOnlyWhenItIsSane) {
     struct Far : PseudoInverse<double> {  // a command beyond sense, and then nothing at all
       using PseudoInverse::PseudoInverse;
       double wish = -0.1;
-      Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+      Allocation<double> step(const Vehicle<double>& vehicle, const Demand<double>& demand, const Estimate<double>& x,
                               const Detection<double>& det) noexcept {
-        Allocation<double> out = PseudoInverse::step(demand, x, det);
+        Allocation<double> out = PseudoInverse::step(vehicle, demand, x, det);
         out.u.setConstant(x.tick == trouble ? wish : nan_of<double>());
         return out;
       }
@@ -917,9 +928,9 @@ TEST(GuardClips, ACommandOutsideItsBoxAndItsRate) {
 template <Flag flag>
 struct FlaggingAllocator : PseudoInverse<double> {
   using PseudoInverse::PseudoInverse;
-  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+  Allocation<double> step(const Vehicle<double>& vehicle, const Demand<double>& demand, const Estimate<double>& x,
                           const Detection<double>& det) noexcept {
-    Allocation<double> out = PseudoInverse::step(demand, x, det);
+    Allocation<double> out = PseudoInverse::step(vehicle, demand, x, det);
     if (x.tick == trouble) out.status.set(flag);
     return out;
   }
@@ -927,9 +938,9 @@ struct FlaggingAllocator : PseudoInverse<double> {
 
 struct FlaggingController : MrpFeedback<double> {
   using MrpFeedback::MrpFeedback;
-  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                      const Allocation<double>& last) noexcept {
-    Demand<double> demand = MrpFeedback::step(x, det, ref, last);
+  Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                      const Reference<double>& ref, const Allocation<double>& last) noexcept {
+    Demand<double> demand = MrpFeedback::step(vehicle, x, det, ref, last);
     if (x.tick == trouble) demand.status.set(Flag::breach);
     return demand;
   }
@@ -961,8 +972,9 @@ TEST(GuardFlags, WhatAControllerReportsIsPassedOn) {
 TEST(GuardProbe, IsAddedToThePreference) {
   struct Probing : NoDetector<double> {
     using NoDetector::NoDetector;
-    Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) noexcept {
-      Detection<double> det = NoDetector::step(x, last);
+    Detection<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x,
+                           const Allocation<double>& last) noexcept {
+      Detection<double> det = NoDetector::step(vehicle, x, last);
       det.u_probe = VecN<double>::Constant(4, 0.01);
       return det;
     }

@@ -31,11 +31,11 @@ struct TestNavigator {
 struct Copying : TestNavigator {
   static constexpr const char* name = "copying";
   using TestNavigator::TestNavigator;
-  Measurement<double> start(const Measurement<double>& y) noexcept {
+  Measurement<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) noexcept {
     ++starts;
-    return step(y);
+    return step(vehicle, y);
   }
-  Measurement<double> step(const Measurement<double>& y) noexcept { return seen = y; }
+  Measurement<double> step(const Vehicle<double>&, const Measurement<double>& y) noexcept { return seen = y; }
   Measurement<double> seen;
   int starts = 0;
 };
@@ -45,8 +45,8 @@ struct DeadReckoning : TestNavigator {
   static constexpr const char* name = "dead_reckoning";
   DeadReckoning(Unchecked, const Setup<double>& setup, const Params& p) noexcept
       : TestNavigator(unchecked, setup, p), dt(setup.dt) {}
-  Measurement<double> start(const Measurement<double>& y) noexcept { return before = y; }
-  Measurement<double> step(Measurement<double> y) noexcept {
+  Measurement<double> start(const Vehicle<double>&, const Measurement<double>& y) noexcept { return before = y; }
+  Measurement<double> step(const Vehicle<double>&, Measurement<double> y) noexcept {
     if (!y.attitude_valid && y.rate_valid) {
       y.q_NB = (before.q_NB * quat_exp<double>(dt / 2 * (before.omega_BN_B + y.omega_BN_B))).normalized();
       y.attitude_valid = true;
@@ -62,8 +62,10 @@ template <bool twice>
 struct Failing : TestNavigator {
   static constexpr const char* name = "failing";
   using TestNavigator::TestNavigator;
-  Measurement<double> start(const Measurement<double>& y) noexcept { return twice ? step(y) : y; }
-  Measurement<double> step(Measurement<double> y) noexcept {
+  Measurement<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) noexcept {
+    return twice ? step(vehicle, y) : y;
+  }
+  Measurement<double> step(const Vehicle<double>&, Measurement<double> y) noexcept {
     if (y.tick == 20) y.omega_BN_B[1] = nan;
     return y;
   }
@@ -73,8 +75,10 @@ struct Failing : TestNavigator {
 struct Learning : TestNavigator {
   static constexpr const char* name = "learning";
   using TestNavigator::TestNavigator;
-  Measurement<double> start(const Measurement<double>& y) noexcept { return step(y); }
-  Measurement<double> step(Measurement<double> y) noexcept {
+  Measurement<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) noexcept {
+    return step(vehicle, y);
+  }
+  Measurement<double> step(const Vehicle<double>&, Measurement<double> y) noexcept {
     if (y.tick < 300) return y;
     y.omega_BN_B -= bias;
     if (y.tick == 300 && says_so) y.rate_step = -bias;

@@ -75,7 +75,8 @@ TEST(Stack, StartsItsAllocatorAnewWhateverItDidBefore) {
   Demand<double> demand;
   demand.tau_B = {0.1, 0.1, 0.1};
   const Estimate<double> x = Estimate<double>::healthy(wobble<double>(0, 4));
-  for (int k = 0; k < 50; ++k) (void)used.allocator.step(demand, x, Detection<double>::none(slow().vehicle));
+  for (int k = 0; k < 50; ++k)
+    (void)used.allocator.step(slow().vehicle, demand, x, Detection<double>::none(slow().vehicle));
   EXPECT_EQ(used.step(wobble<double>(0, 4), {}).u, fresh.step(wobble<double>(0, 4), {}).u);
 }
 
@@ -136,12 +137,13 @@ TEST(StackCheck, AsksEveryComponentAndWhetherObserverAndAllocatorFitEachOther) {
 /// From one sample on neither start nor step give anything of use.
 struct LostController : MrpFeedback<double> {
   using MrpFeedback::MrpFeedback;
-  Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) noexcept {
-    return broken(MrpFeedback::start(x, det, ref), x.tick);
+  Demand<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                       const Reference<double>& ref) noexcept {
+    return broken(MrpFeedback::start(vehicle, x, det, ref), x.tick);
   }
-  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                      const Allocation<double>& last) noexcept {
-    return broken(MrpFeedback::step(x, det, ref, last), x.tick);
+  Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                      const Reference<double>& ref, const Allocation<double>& last) noexcept {
+    return broken(MrpFeedback::step(vehicle, x, det, ref, last), x.tick);
   }
   static Demand<double> broken(Demand<double> demand, Tick tick) noexcept {
     if (tick >= trouble) demand.tau_B[1] = nan;
@@ -152,9 +154,12 @@ struct LostController : MrpFeedback<double> {
 
 struct LostObserver : PassthroughObserver<double> {
   using PassthroughObserver::PassthroughObserver;
-  Estimate<double> start(const Measurement<double>& y) noexcept { return broken(PassthroughObserver::start(y)); }
-  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-    return broken(PassthroughObserver::step(y, last));
+  Estimate<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) noexcept {
+    return broken(PassthroughObserver::start(vehicle, y));
+  }
+  Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                        const Allocation<double>& last) noexcept {
+    return broken(PassthroughObserver::step(vehicle, y, last));
   }
   static Estimate<double> broken(Estimate<double> x) noexcept {
     if (x.tick >= trouble) x.effectiveness[2] = nan;
@@ -164,9 +169,12 @@ struct LostObserver : PassthroughObserver<double> {
 
 struct LostDetector : NoDetector<double> {
   using NoDetector::NoDetector;
-  Detection<double> start(const Estimate<double>& x) noexcept { return broken(NoDetector::start(x), x.tick); }
-  Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) noexcept {
-    return broken(NoDetector::step(x, last), x.tick);
+  Detection<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x) noexcept {
+    return broken(NoDetector::start(vehicle, x), x.tick);
+  }
+  Detection<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x,
+                         const Allocation<double>& last) noexcept {
+    return broken(NoDetector::step(vehicle, x, last), x.tick);
   }
   static Detection<double> broken(Detection<double> det, Tick tick) noexcept {
     if (tick < trouble) return det;
@@ -231,9 +239,12 @@ TEST(StackFailsAtStart, AnObserverAndADetectorLeaveTheMeasuredState) {
 /// Knows that wheel 1 gives half, and flags what it is asked to.
 struct KnowingObserver : PassthroughObserver<double> {
   using PassthroughObserver::PassthroughObserver;
-  Estimate<double> start(const Measurement<double>& y) noexcept { return known(PassthroughObserver::start(y)); }
-  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) noexcept {
-    return known(PassthroughObserver::step(y, last));
+  Estimate<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) noexcept {
+    return known(PassthroughObserver::start(vehicle, y));
+  }
+  Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                        const Allocation<double>& last) noexcept {
+    return known(PassthroughObserver::step(vehicle, y, last));
   }
   static Estimate<double> known(Estimate<double> x) noexcept {
     x.effectiveness[1] = 0.5;
@@ -245,9 +256,9 @@ struct KnowingObserver : PassthroughObserver<double> {
 /// A command that is not finite at one sample, far outside of every limit around it, of either sign.
 struct WildAllocator : PseudoInverse<double> {
   using PseudoInverse::PseudoInverse;
-  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
+  Allocation<double> step(const Vehicle<double>& vehicle, const Demand<double>& demand, const Estimate<double>& x,
                           const Detection<double>& det) noexcept {
-    Allocation<double> out = PseudoInverse::step(demand, x, det);
+    Allocation<double> out = PseudoInverse::step(vehicle, demand, x, det);
     if (x.tick == trouble) out.achieved_B[2] = nan;
     if (x.tick > trouble) out.u << 7, -7, 7, -7;
     return out;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "alone.hpp"
 #include "gyrostat/flight/detectors/evidence.hpp"
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
@@ -74,7 +75,7 @@ class Bench {
   }
 
   Setup<S> setup_;
-  Detector detector_;
+  Alone<Detector> detector_;
   std::mt19937 random_{1};
   std::normal_distribution<double> normal_;
   Tick tick_ = 0;
@@ -416,7 +417,7 @@ class TorqueBench {
     return x;
   }
   Setup<S> setup_;
-  EvidenceDetector<S> detector_;
+  Alone<EvidenceDetector<S>> detector_;
   Tick tick_ = 0;
 };
 

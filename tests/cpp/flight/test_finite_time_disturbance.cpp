@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "li2018.hpp"
 #include "telemetry_log.hpp"
@@ -18,7 +19,7 @@ using Observer = FiniteTimeDisturbanceObserver<S>;
 
 /// Steps `observer` along `body` under the constant command u, and returns the estimate of the last sample.
 template <class S>
-Estimate<S> watch(Observer<S>& observer, Body& body, const VecN<S>& u, double dt, int samples) {
+Estimate<S> watch(Alone<Observer<S>>& observer, Body& body, const VecN<S>& u, double dt, int samples) {
   Allocation<S> last = Allocation<S>::idle(static_cast<int>(u.size()));
   last.u = u;
   Estimate<S> x = observer.start(body.measured<S>(0));
@@ -47,7 +48,7 @@ TYPED_TEST(FiniteTimeDisturbance, FindsFaultAndDisturbanceTogetherInFiniteTime) 
   body.d_B = {1e-3, -2e-3, 1.5e-3};
   body.effectiveness[2] = 0.4;
   body.omega_BN_B = {0.01, -0.02, 0.03};
-  Observer<S> observer(unchecked, setup, li2018::observer<S>());
+  Alone<Observer<S>> observer(unchecked, setup, li2018::observer<S>());
   const Estimate<S> x = watch<S>(observer, body, some_command().cast<S>(), 0.01, 300);
   const Vec3<double> lumped_B = body.d_B + body.fault_B(some_command());
   // What stays is the error of the trapezoid in double. Float resolves a rate of 0.03 rad/s to 2e-9, hence an
@@ -61,7 +62,7 @@ TYPED_TEST(FiniteTimeDisturbance, StartsAtTheMeasuredRateWithNoTorque) {
   const gyrostat::Setup<S> setup = ftc_4rw<S>();
   Body body(setup.vehicle);
   body.omega_BN_B = {0.3, -0.2, 0.1};
-  Observer<S> observer(unchecked, setup, li2018::observer<S>());
+  Alone<Observer<S>> observer(unchecked, setup, li2018::observer<S>());
   (void)watch<S>(observer, body, VecN<S>::Constant(4, S(0.1)), 0.01, 5);
   EXPECT_EQ(observer.start(body.measured<S>(0)).d_B, Vec3<S>(Vec3<S>::Zero()));
   for (const auto& [signal, values] : telemetry_of(observer))
@@ -75,7 +76,7 @@ TEST(FiniteTimeDisturbanceDouble, NominalPlantGivesNoTorque) {
   for (const double dt : {0.001, 0.01}) {
     auto s = setup;
     s.dt = dt;
-    Observer<double> observer(unchecked, s, li2018::observer<double>());
+    Alone<Observer<double>> observer(unchecked, s, li2018::observer<double>());
     // The gyroscopic torque (up to 0.3 N m) enters by the trapezoid: h^2 / 12 times its curvature (below 1 /s^2).
     EXPECT_LT(watch<double>(observer, body, some_command(), dt, 500).d_B.norm(), dt * dt / 12 * 0.3) << dt;
   }
@@ -83,7 +84,7 @@ TEST(FiniteTimeDisturbanceDouble, NominalPlantGivesNoTorque) {
 
 TEST(FiniteTimeDisturbanceDouble, WheelMomentumBelongsToTheModel) {
   auto setup = ftc_4rw<double>();
-  Observer<double> observer(unchecked, setup, li2018::observer<double>());
+  Alone<Observer<double>> observer(unchecked, setup, li2018::observer<double>());
   VecN<double> h_w(4);
   h_w << 5, -2.5, 1.25, 0.5;
   const VecN<double> u = some_command();
@@ -114,7 +115,7 @@ TEST(FiniteTimeDisturbanceDouble, ExplicitEulerChattersAndSubstepsQuietIt) {
     const auto setup = ftc_4rw<double>();
     Body body(setup.vehicle);
     body.d_B = {1e-3, -2e-3, 1.5e-3};
-    Observer<double> observer(unchecked, setup, p);
+    Alone<Observer<double>> observer(unchecked, setup, p);
     (void)watch<double>(observer, body, VecN<double>::Zero(4), setup.dt, 2000);
     double floor = 0;  // over some more samples, since a limit cycle passes through zero
     Allocation<double> idle = Allocation<double>::idle(4);
@@ -145,7 +146,7 @@ TEST(FiniteTimeDisturbanceDouble, ExplicitEulerOfManyStepsAgreesWithItself) {
     p.substeps = substeps;
     Body body(setup.vehicle);
     body.d_B = {0.05, -0.02, 0.03};
-    Observer<double> observer(unchecked, setup, p);
+    Alone<Observer<double>> observer(unchecked, setup, p);
     return Vec3<double>(watch<double>(observer, body, some_command(), setup.dt, 10).d_B);
   };
   const double coarse = (transient(50) - transient(800)).norm(), fine = (transient(100) - transient(800)).norm();
@@ -188,7 +189,7 @@ TEST(FiniteTimeDisturbanceDouble, ErrorsFallAlongThePublishedLyapunovFunction) {
   const Lyapunov L(p.alpha1, p.lambda1, p.lambda2);
   Body body(setup.vehicle);
   body.d_B = {0.05, -0.03, 0.02};
-  Observer<double> observer(unchecked, setup, p);
+  Alone<Observer<double>> observer(unchecked, setup, p);
   (void)observer.start(body.measured<double>(0));
   const Vec3<double> acceleration = setup.vehicle.J_B.inverse() * body.d_B;
   Vec3<double> before = Vec3<double>::Constant(std::numeric_limits<double>::infinity());
@@ -218,7 +219,7 @@ TEST(FiniteTimeDisturbanceDouble, DefaultsCatchAStepOfAllTorqueInFiftyPeriodsOnA
     ASSERT_TRUE(Observer<double>::check(setup, p).ok());
     Body body(setup.vehicle);
     body.d_B.setConstant(usable_torque(setup.vehicle));
-    Observer<double> observer(unchecked, setup, p);
+    Alone<Observer<double>> observer(unchecked, setup, p);
     const Estimate<double> x = watch<double>(observer, body, VecN<double>::Zero(4), v.dt, 50);
     EXPECT_LT((x.d_B - body.d_B).norm(), 0.01 * body.d_B.norm()) << v.J << " " << v.dt;
   }
@@ -267,7 +268,7 @@ TEST(FiniteTimeDisturbanceDouble, ExplicitSubstepsAreTheEulerStepsOfTheirPage) {
   auto p = li2018::observer<double>();
   p.method = Observer<double>::Method::explicit_euler;
   p.substeps = 4;
-  Observer<double> observer(unchecked, setup, p);
+  Alone<Observer<double>> observer(unchecked, setup, p);
   const Mat3<double>& J = setup.vehicle.J_B;
   const Mat3N<double>& D = setup.vehicle.D_B;
   Random random(7);
@@ -308,7 +309,7 @@ TEST(FiniteTimeDisturbanceDouble, ExplicitSubstepsAreTheEulerStepsOfTheirPage) {
 
 TEST(FiniteTimeDisturbanceDouble, AStartForgetsTheIntegral) {
   const auto setup = ftc_4rw<double>();
-  Observer<double> fresh(unchecked, setup, li2018::observer<double>()), used = fresh;
+  Alone<Observer<double>> fresh(unchecked, setup, li2018::observer<double>()), used = fresh;
   Body body(setup.vehicle);
   body.d_B = {0.05, -0.02, 0.03};
   (void)watch<double>(used, body, some_command(), setup.dt, 50);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "li2018.hpp"
 #include "telemetry_log.hpp"
@@ -95,7 +96,7 @@ TEST(IntegralSlidingMode, GainFollowsThePublishedBranches) {
   // A kick of the rate about the first axis puts s = J dw there; the gain then moves by one Euler step.
   const auto gain_step = [&](double s, double gain) {
     p.gain_0.setConstant(gain);
-    Law law(unchecked, setup, p);
+    Alone<Law> law(unchecked, setup, p);
     Measurement<double> y;
     y.h_w = VecN<double>::Zero(4);
     (void)law.start(Estimate<double>::healthy(y), {}, {});
@@ -134,9 +135,9 @@ TEST(IntegralSlidingMode, ClampHoldsTheMomentumErrorWhileTheLimiterIsBusy) {
 TEST(IntegralSlidingMode, IdentitySurfaceGivesARate) {
   auto p = li2018::controller<double>();
   const auto setup = li2018::setup(infinity, 0.001);
-  Law momentum(unchecked, setup, p);
+  Alone<Law> momentum(unchecked, setup, p);
   p.surface = Law::Surface::identity;
-  Law rate(unchecked, setup, p);
+  Alone<Law> rate(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(4);
   for (Law* law : {&momentum, &rate}) (void)law->start(Estimate<double>::healthy(y), {}, {});
@@ -154,7 +155,7 @@ TEST(IntegralSlidingMode, PrintedSignSwitchesTheWholeGainWhichStillFallsInsideEp
   p.K3.setZero();
   p.K4.setZero();
   const auto setup = li2018::setup(infinity, 0.001);
-  Law law(unchecked, setup, p);
+  Alone<Law> law(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(4);
   const Demand<double> at_zero = law.start(Estimate<double>::healthy(y), {}, {});
@@ -168,7 +169,7 @@ TEST(IntegralSlidingMode, PrintedSignSwitchesTheWholeGainWhichStillFallsInsideEp
 
 TEST(IntegralSlidingMode, AJumpOfTheStateLeavesTheSurfaceWhereItWas) {
   const auto setup = li2018::setup(0.25, 0.01);
-  Law law(unchecked, setup, li2018::controller<double>());
+  Alone<Law> law(unchecked, setup, li2018::controller<double>());
   Estimate<double> x = Estimate<double>::healthy(tilted(setup).measured<double>(0));
   const Allocation<double> last = Allocation<double>::idle(static_cast<int>(x.h_w.size()));
   (void)law.start(x, {}, {});

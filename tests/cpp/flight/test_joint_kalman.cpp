@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
@@ -117,7 +118,7 @@ Allocation<S> issued(const VecN<double>& u) {
 
 /// Compiled once: the filter is much code for every test of its own.
 template <class S>
-[[gnu::noinline]] Estimate<S> advance(JointKalmanObserver<S>& observer, const Measurement<S>& y,
+[[gnu::noinline]] Estimate<S> advance(Alone<JointKalmanObserver<S>>& observer, const Measurement<S>& y,
                                       const Allocation<S>& last) {
   return observer.skip(y, last);
 }
@@ -290,7 +291,7 @@ void expect_the_dense_filter(int delay) {
   JointKalmanObserver<double>::Params p(setup);
   p.momentum_delay = delay;
   p.momentum_timing = delay > 0 ? 0.3 : p.momentum_timing;
-  JointKalmanObserver<double> observer(unchecked, setup, p);
+  Alone<JointKalmanObserver<double>> observer(unchecked, setup, p);
   DenseFilter oracle(setup, p);
   Plant plant(setup);
   plant.d_B = {2e-3, -1e-3, 1e-3};
@@ -335,7 +336,7 @@ TYPED_TEST_SUITE(JointKalmanOf, Scalars);
 
 /// Flies `observer` open loop; `before(k, plant)` changes the plant, `look(k, estimate)` looks.
 template <class S, class Before, class Look>
-void fly(JointKalmanObserver<S>& observer, Plant& plant, int samples, double rate_noise, double momentum_noise,
+void fly(Alone<JointKalmanObserver<S>>& observer, Plant& plant, int samples, double rate_noise, double momentum_noise,
          const Setup<double>& setup, Before&& before, Look&& look, unsigned seed = 1) {
   Random random(seed);
   (void)observer.start(plant.measured<S>(0, random, rate_noise, momentum_noise));
@@ -354,7 +355,7 @@ const auto nothing = [](auto&&...) {};
 TYPED_TEST(JointKalmanOf, FourWheelsAreToldApart) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
+  auto observer = alone<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   plant.d_B = {3e-3, -2e-3, 1e-3};
   Estimate<S> x;
@@ -394,7 +395,7 @@ TYPED_TEST(JointKalmanOf, WhatTheIssuedEffectivenessLeavesOverIsInTheDisturbance
   truth.vehicle.wheels = {};
   Setup<double> known = truth;
   truth.vehicle.J_B /= 1.05;
-  auto observer = by_default<JointKalmanObserver<S>>(cast<S>(known));
+  auto observer = alone<JointKalmanObserver<S>>(cast<S>(known));
   Plant plant(truth);
   double handed_on = 0, missing = 0;
   int counted = 0;
@@ -418,7 +419,7 @@ TYPED_TEST(JointKalmanOf, WhatTheIssuedEffectivenessLeavesOverIsInTheDisturbance
 TYPED_TEST(JointKalmanOf, TheBoundIsInfiniteUntilCommandsHaveTaughtAndAgainWhenTheyStop) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
+  auto observer = alone<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   int finite_from = -1, infinite_from = -1;
   fly(
@@ -449,8 +450,7 @@ TYPED_TEST(JointKalmanOf, ActuatorsInAnotherOrderAreTheSameActuators) {
     other.vehicle.D_B.col(i) = setup.vehicle.D_B.col(from);
     other.vehicle.wheels.set(i, setup.vehicle.wheels.test(from));
   }
-  auto one = by_default<JointKalmanObserver<S>>(cast<S>(setup)),
-       two = by_default<JointKalmanObserver<S>>(cast<S>(other));
+  auto one = alone<JointKalmanObserver<S>>(cast<S>(setup)), two = alone<JointKalmanObserver<S>>(cast<S>(other));
   Plant plant(setup);
   Random random(2);
   const auto shuffled = [&](const auto& v) {
@@ -488,12 +488,12 @@ TYPED_TEST(JointKalmanOf, TheScaleOfTheVehicleIsOfNoConsequence) {
   other.vehicle.u_up *= mass / (time * time);
   other.vehicle.u_lo *= mass / (time * time);
   other.dt *= time;
-  auto observer = by_default<JointKalmanObserver<S>>(cast<S>(setup));
+  auto observer = alone<JointKalmanObserver<S>>(cast<S>(setup));
   typename JointKalmanObserver<S>::Params p(cast<S>(other));
   for (S* q : {&p.q_e, &p.q_b, &p.q_d}) *q /= static_cast<S>(std::sqrt(time));
   p.rate_noise = static_cast<S>(typename JointKalmanObserver<S>::Params(cast<S>(setup)).rate_noise / S(time));
   p.momentum_noise = typename JointKalmanObserver<S>::Params(cast<S>(setup)).momentum_noise * S(mass / time);
-  JointKalmanObserver<S> scaled(unchecked, cast<S>(other), p);
+  Alone<JointKalmanObserver<S>> scaled(unchecked, cast<S>(other), p);
   Plant plant(setup);
   Random random(3);
   const auto larger = [&](Measurement<S> y) {
@@ -531,7 +531,7 @@ double smallest_correlation(const JointKalmanObserver<S>& observer) {
 TYPED_TEST(JointKalmanOf, TheCovarianceStaysPositive) {
   using S = TypeParam;
   const Setup<double> setup = mixed();
-  auto observer = by_default<JointKalmanObserver<S>>(cast<S>(setup));
+  auto observer = alone<JointKalmanObserver<S>>(cast<S>(setup));
   Plant plant(setup);
   Random random(11);
   (void)observer.start(plant.measured<S>(0, random, 1e-5, 1e-5));
@@ -565,7 +565,7 @@ TYPED_TEST(JointKalmanOf, TheCovarianceStaysPositive) {
 TYPED_TEST(JointKalmanOf, HealthyActuatorsOpenNothingBeyondTheStatedRate) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
+  auto observer = alone<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   fly(observer, plant, 100000, 1e-5, 1e-5, setup, nothing, nothing);
   EXPECT_LE(observer.openings(), 3u);
@@ -576,7 +576,7 @@ TYPED_TEST(JointKalmanOf, OneChannelAloneStillTeaches) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
   for (const bool rate_fails : {true, false}) {
-    auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
+    auto observer = alone<JointKalmanObserver<S>>(four_wheels<S>());
     Plant plant(setup);
     Random random(4);
     (void)observer.start(plant.measured<S>(0, random, 1e-5, 1e-5));
@@ -612,7 +612,7 @@ TYPED_TEST(JointKalmanOf, OneChannelAloneStillTeaches) {
 TYPED_TEST(JointKalmanOf, AJumpOfTheStateTeachesNothing) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
+  auto observer = alone<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   plant.effectiveness[1] = 0.5;
   Random random(6);
@@ -640,7 +640,7 @@ TYPED_TEST(JointKalmanOf, AJumpOfTheStateTeachesNothing) {
 TYPED_TEST(JointKalmanOf, ACommandBeyondSenseTeachesNothing) {
   using S = TypeParam;
   const Setup<double> setup = four_wheels<double>();
-  auto observer = by_default<JointKalmanObserver<S>>(four_wheels<S>());
+  auto observer = alone<JointKalmanObserver<S>>(four_wheels<S>());
   Plant plant(setup);
   Random random(7);
   (void)observer.start(plant.measured<S>(0, random, 1e-5, 1e-5));
@@ -684,7 +684,7 @@ TYPED_TEST(JointKalmanOf, FliesWhateverVehicleThereIs) {
                              fleet.wheels);
       return s;
     }();
-    Checked<JointKalmanObserver<S>> observer(flown);
+    Checked<Alone<JointKalmanObserver<S>>> observer(flown);
     ASSERT_TRUE(observer) << observer.status().quantity;
     EXPECT_EQ(observer->state().size(), fleet.states);
     Plant plant(setup);

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "gyrostat/flight/detectors/threshold.hpp"
 #include "gyrostat/flight/observers/adaptive_iterative_learning.hpp"
@@ -113,7 +114,7 @@ TEST(IterativeLearning, DeadBeatGainsFindAFaultInTwoSamples) {
   p.k1 = p.k4 = 100;  // 1 / dt
   p.u_reg = 1e-9;
   p.frozen.set(3);
-  IterativeLearningObserver<double> observer(unchecked, setup, p);
+  Alone<IterativeLearningObserver<double>> observer(unchecked, setup, p);
   const Allocation<double> last = issued<double>({0.2, -0.2, 0.2, 0});
   VecN<double> e(4);
   e << 0.6, 0.5, 0.9, 1;
@@ -132,7 +133,7 @@ TEST(IterativeLearning, DeadBeatGainsFindAFaultInTwoSamples) {
 TYPED_TEST(LearningDetection, WithoutAnErrorNothingMoves) {
   using S = TypeParam;
   const gyrostat::Setup<S> setup = with_spare<S>();
-  auto observer = by_default<AdaptiveIterativeLearningObserver<S>>(setup);
+  auto observer = alone<AdaptiveIterativeLearningObserver<S>>(setup);
   const Allocation<S> last = issued<S>({0.2, -0.2, 0.2, 0});
   Measurement<S> y = at_rest<S>();
   (void)observer.start(y);
@@ -149,7 +150,7 @@ TYPED_TEST(LearningDetection, GatedAndFrozenActuatorsKeepTheirValueAndGainsTheir
   const gyrostat::Setup<S> setup = with_spare<S>();
   using O = AdaptiveIterativeLearningObserver<S>;
   const typename O::Params p(setup);
-  O observer(unchecked, setup, p);
+  Alone<O> observer(unchecked, setup, p);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(-1, 1);
   Measurement<S> y = at_rest<S>();
@@ -189,13 +190,13 @@ TEST(AdaptiveIterativeLearning, RefusesGainsThatAreUnstableWhenSampled) {
 
 /// A detector of two samples' persistence with three of hold-off.
 template <class S>
-ThresholdDetector<S> quick(const gyrostat::Setup<S>& setup, S dither = S(0), int settle = 0) {
+Alone<ThresholdDetector<S>> quick(const gyrostat::Setup<S>& setup, S dither = S(0), int settle = 0) {
   typename ThresholdDetector<S>::Params p(setup);
   p.persistence = S(2) * setup.dt;
   p.hold_off = S(3) * setup.dt;
   p.settle = S(settle) * setup.dt;
   p.dither = dither;
-  return ThresholdDetector<S>(unchecked, setup, p);
+  return Alone<ThresholdDetector<S>>(unchecked, setup, p);
 }
 
 template <class S>
@@ -210,7 +211,7 @@ TYPED_TEST(LearningDetection, StartingTwiceIsStartingOnce) {
   using S = TypeParam;
   using O = AdaptiveIterativeLearningObserver<S>;
   const gyrostat::Setup<S> setup = with_spare<S>();
-  O used(unchecked, setup, typename O::Params(setup)), fresh(used);
+  Alone<O> used(unchecked, setup, typename O::Params(setup)), fresh(used);
   auto tired = quick<S>(setup, S(0.15)), rested = tired;
   Measurement<S> y = at_rest<S>();
   const Allocation<S> last = issued<S>({0.2, -0.2, 0.2, 0});
@@ -382,7 +383,7 @@ TEST(AdaptiveIterativeLearning, IsTheEquationsOfItsPageGainsIncluded) {
   p.leak = 3;
   p.chi = 1.2 * p.deadzone;
   ASSERT_TRUE(O::check(setup, p).ok());
-  O observer(unchecked, setup, p);
+  Alone<O> observer(unchecked, setup, p);
   LearningWrittenOut written{setup, p};
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -2,6 +2,7 @@
 // The learning observer: stability of its sampled recursion, exact propagation, what it finds and what it leaves.
 #include <gtest/gtest.h>
 
+#include "alone.hpp"
 #include "gyrostat/flight/observers/learning_disturbance.hpp"
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
@@ -85,7 +86,7 @@ TYPED_TEST(LearningDisturbance, LeavesTheShareOfAConstantTorqueThatItsGainsSay) 
     setup.dt = S(0.001);
     const auto p = gains<S>(setup, S(0.01), form);
     setup.vehicle.J_B.setIdentity();  // no gyroscopic torque: the rate grows by exactly f h a sample
-    Observer observer(unchecked, setup, p);
+    Alone<Observer> observer(unchecked, setup, p);
     const Vec3<S> f(S(0.02), S(0), S(0));
     Measurement<S> y;
     y.h_w = VecN<S>::Zero(4);
@@ -107,7 +108,7 @@ TYPED_TEST(LearningDisturbance, CountsWheelsCommandsAndGyroscopicTorqueOnce) {
   using S = TypeParam;
   auto setup = ftc_4rw<S>();
   const Vehicle<S>& v = setup.vehicle;
-  auto observer = by_default<LearningDisturbanceObserver<S>>(setup);
+  auto observer = alone<LearningDisturbanceObserver<S>>(setup);
   Measurement<S> y;
   y.omega_BN_B = Vec3<S>(S(0.1), S(-0.2), S(0.15));
   y.h_w = VecN<S>(4);
@@ -128,7 +129,7 @@ TEST(LearningDisturbance, MovesItsErrorByTheExactSolution) {
   setup.dt = 0.01;
   setup.vehicle.J_B.setIdentity();
   using Observer = LearningDisturbanceObserver<double>;
-  Observer observer(unchecked, setup, gains<double>(setup, 0.05, Observer::Form::held));
+  Alone<Observer> observer(unchecked, setup, gains<double>(setup, 0.05, Observer::Form::held));
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(4);
   Estimate<double> x = observer.start(y);
@@ -150,7 +151,7 @@ TEST(LearningDisturbanceObserver, IsItsRecursionWithTheMeanOfTheKnownTorque) {
     for (const auto from : {Observer::Start::measured, Observer::Start::zero}) {
       auto p = gains<double>(setup, 0.03, form);
       p.start = from;
-      Observer observer(unchecked, setup, p);
+      Alone<Observer> observer(unchecked, setup, p);
       const bool held = form == Observer::Form::held;
       const std::size_t back = held ? 1 : 3;
       for (int start = 0; start < 2; ++start) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
 #include "gyrostat/flight/observers/adaptive_sliding_mode_effectiveness.hpp"
@@ -43,7 +44,7 @@ TYPED_TEST(LearningObservers, FourWheelsAreToldApartOnceTheirCommandsVary) {
   const Setup<S> setup = ftc_4rw<S>();
   Body body(setup.vehicle);
   body.effectiveness << 0.4, 1.0, 0.7, 0.05;
-  auto observer = by_default<LearningEffectivenessObserver<S>>(setup);
+  auto observer = alone<LearningEffectivenessObserver<S>>(setup);
   Estimate<S> x;
   watch(observer, body, 0.01, 3000, exciting, [&](int, const Estimate<S>& now, const auto&) { x = now; });
   for (int i = 0; i < 4; ++i) {
@@ -61,7 +62,7 @@ TYPED_TEST(LearningObservers, AnActuatorThatIsNotCommandedIsHeldToTheBitAndUnkno
   const Setup<S> setup = ftc_4rw<S>();
   Body body(setup.vehicle);
   body.effectiveness[3] = 0.5;
-  auto observer = by_default<LearningEffectivenessObserver<S>>(setup);
+  auto observer = alone<LearningEffectivenessObserver<S>>(setup);
   watch(
       observer, body, 0.01, 500,
       [](int k) {
@@ -81,7 +82,7 @@ TYPED_TEST(LearningObservers, EstimatesStayInsideTheirRangeUnderAnyCommand) {
   const auto inside = [&]<class Observer>(std::type_identity<Observer>) {
     typename Observer::Params p(setup);
     p.e_min = S(1e-4);
-    Observer observer(unchecked, setup, p);
+    Alone<Observer> observer(unchecked, setup, p);
     Random random(3);
     Body body(setup.vehicle);
     body.effectiveness << 0.0, 0.3, 1.0, 0.6;
@@ -120,7 +121,7 @@ TEST(LearningEffectivenessDouble, IsTheSumAnAxisOnThreeOrthogonalWheels) {
   p.u0 = p.u_exc = p.torque_error = 0.3;
   p.memory = 30;
   p.M = {80, 50, 60};
-  LearningEffectivenessObserver<double> observer(unchecked, setup, p);
+  Alone<LearningEffectivenessObserver<double>> observer(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(3);
   (void)observer.start(y);
@@ -142,7 +143,7 @@ TEST(LearningEffectivenessDouble, AFaultMakesItsWheelUnknownAtOnceAndLearningMak
   p.M.setConstant(50);
   p.memory = 30;
   p.torque_error = 0.02;
-  LearningEffectivenessObserver<double> observer(unchecked, setup, p);
+  Alone<LearningEffectivenessObserver<double>> observer(unchecked, setup, p);
   Body body(setup.vehicle);
   VecN<double> u(3);
   watch(
@@ -169,7 +170,7 @@ TEST(LearningEffectivenessDouble, AFaultMakesItsWheelUnknownAtOnceAndLearningMak
 
 TEST(LearningEffectivenessDouble, WheelMomentumBelongsToTheModel) {
   auto setup = ftc_4rw<double>();
-  auto observer = by_default<LearningEffectivenessObserver<double>>(setup);
+  auto observer = alone<LearningEffectivenessObserver<double>>(setup);
   const Mat3<double>& J = setup.vehicle.J_B;
   Measurement<double> y;
   y.h_w = VecN<double>(4);
@@ -202,7 +203,7 @@ TEST(LearningEffectivenessPrintedDouble, EndsAtTheFixedPointThatTheLeakLeaves) {
   p.H1 = {8, 15, 12};
   p.H2 = {20, 3, 8};
   p.M = {80, 50, 60};
-  LearningEffectivenessPrintedObserver<double> observer(unchecked, setup, p);
+  Alone<LearningEffectivenessPrintedObserver<double>> observer(unchecked, setup, p);
   Body body(setup.vehicle);
   body.effectiveness << 0.8, 0.6, 1.0;
   Estimate<double> x;
@@ -234,7 +235,7 @@ TEST(AdaptiveSlidingModeDouble, IsUnstableUnderAnAlternatingCommandWhereItsCheck
   const auto spread = [&](double factor) {  // gamma as a multiple of the limit 2 L dt / J
     p.gamma = factor * 2 * (200 * 0.01 / 20) * 20 / (100 * 1e-4);
     EXPECT_EQ((AdaptiveSlidingModeEffectivenessObserver<double>::check(setup, p).ok()), factor < 1) << factor;
-    AdaptiveSlidingModeEffectivenessObserver<double> observer(unchecked, setup, p);
+    Alone<AdaptiveSlidingModeEffectivenessObserver<double>> observer(unchecked, setup, p);
     Body body(setup.vehicle);
     body.effectiveness.setConstant(0.5);
     double late = 0;
@@ -267,7 +268,7 @@ TEST(AdaptiveSlidingModeDouble, TheSwitchingGainGrowsBeyondTheDeadZoneAloneUpToI
   p.k_rho = 30;
   p.rho_max = 0.01;
   p.dead_zone = 2e-3;
-  AdaptiveSlidingModeEffectivenessObserver<double> observer(unchecked, at.setup, p);
+  Alone<AdaptiveSlidingModeEffectivenessObserver<double>> observer(unchecked, at.setup, p);
   (void)observer.start(at.y);
   at.y.omega_BN_B = {1.9e-3, -2.1e-3, 5e-3};  // inside, just beyond, far beyond
   Vec3<double> rho = Vec3<double>::Zero(), omega_hat = Vec3<double>::Zero();
@@ -297,7 +298,7 @@ TEST(LearningEffectivenessDouble, WhatTheIssuedEffectivenessLeavesOverIsInTheDis
   for (const bool hand_on : {true, false}) {
     LearningEffectivenessObserver<double>::Params p(setup);
     p.hand_on = hand_on;
-    LearningEffectivenessObserver<double> observer(unchecked, setup, p);
+    Alone<LearningEffectivenessObserver<double>> observer(unchecked, setup, p);
     Body body(setup.vehicle);
     body.J_B /= 1.1;
     body.effectiveness[3] = 0.01;  // below what is issued
@@ -325,7 +326,7 @@ TEST(AdaptiveSlidingModeDouble, AdaptsAlongTheSignOfTheCommandAndProjects) {
   p.gamma = 100;
   p.L.setZero();
   p.dead_zone = 1;
-  AdaptiveSlidingModeEffectivenessObserver<double> observer(unchecked, at.setup, p);
+  Alone<AdaptiveSlidingModeEffectivenessObserver<double>> observer(unchecked, at.setup, p);
   (void)observer.start(at.y);
   at.last.u << 2, -2, 3;
   // A rate error of 1e-3 below what the commands make on axes 0 and 1 (of either sign), above it on axis 2.
@@ -361,7 +362,7 @@ TEST(LearningEffectivenessPrintedDouble, IsThePrintedRecursionWithItsPastError) 
                                LearningEffectivenessPrintedObserver<double>::Direction::command}) {
     p.direction = direction;
     const bool printed = direction == LearningEffectivenessPrintedObserver<double>::Direction::none;
-    LearningEffectivenessPrintedObserver<double> observer(unchecked, at.setup, p);
+    Alone<LearningEffectivenessPrintedObserver<double>> observer(unchecked, at.setup, p);
     for (int restart = 0; restart < 2; ++restart) {
       // Without correction, command and torque the predicted rate stays what it was at the start: zero.
       std::vector<Vec3<double>> e{Vec3<double>::Ones(), Vec3<double>::Ones()}, error(2, Vec3<double>::Zero());
@@ -459,7 +460,7 @@ TEST(LearningEffectivenessDouble, IsTheEquationsOfItsPageBoundIncluded) {
   p.n = 0.02;
   p.torque_error = 0.005;  // a loss of actuators is beyond it: what was known is doubted
   p.memory = 3;
-  LearningEffectivenessObserver<double> observer(unchecked, setup, p);
+  Alone<LearningEffectivenessObserver<double>> observer(unchecked, setup, p);
   WrittenOut written{setup, p};
   Random random(9);
   int known = 0, weakest = 0, held = 0;

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "../golden.hpp"
+#include "alone.hpp"
 #include "vehicles.hpp"
 
 namespace gyrostat::test {
@@ -35,7 +36,7 @@ TEST(Mekf, EqualsTheReferenceRows) {
   p.attitude_noise = {2e-5, 2e-5, 1.2e-4};
   p.q_BS = mounting();
   p.latency = 2;
-  Mekf<double> filter(unchecked, setup, p);
+  Alone<Mekf<double>> filter(unchecked, setup, p);
   for (std::size_t k = 0; k < 20; ++k) {
     const auto v = [&](const char* name) { return golden.at(name, k); };
     Measurement<double> y;
@@ -116,14 +117,14 @@ struct Flight {
     p.latency = latency;
     return p;
   }
-  Mekf<S> filter() const {
+  Alone<Mekf<S>> filter() const {
     typename Mekf<S>::Params p(slow_vehicle<S>(static_cast<S>(dt)));
     p.angle_random_walk = static_cast<S>(s_v);
     p.rate_random_walk = static_cast<S>(s_u);
     p.attitude_noise = sigma.cast<S>();
     p.q_BS = mounting().cast<S>();
     p.latency = latency;
-    return Mekf<S>(unchecked, slow_vehicle<S>(static_cast<S>(dt)), p);
+    return Alone<Mekf<S>>(unchecked, slow_vehicle<S>(static_cast<S>(dt)), p);
   }
 
   std::mt19937 random;
@@ -291,7 +292,7 @@ TEST(Mekf, ACoarseFirstAttitudeIsForgottenAtTheNextFix) {
   Flight<double> flight(13);
   Params p = flight.params();
   p.attitude0 = 0.5;
-  Mekf<double> filter(unchecked, slow_vehicle(flight.dt), p);
+  Alone<Mekf<double>> filter(unchecked, slow_vehicle(flight.dt), p);
   Measurement<double> first = flight.next();
   first.attitude_valid = true;
   first.q_NB = flight.q * quat_exp<double>({0.3, -0.3, 0.26});

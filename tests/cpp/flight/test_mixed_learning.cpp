@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "gyrostat/flight/observers/mixed_learning_disturbance.hpp"
 #include "vehicles.hpp"
@@ -126,7 +127,7 @@ TYPED_TEST(MixedLearning_, ALongDelayDecaysAsItsLeakSays) {
 
 /// Holds a body at rest against a constant torque, which the observer then has to find.
 template <class S>
-Estimate<S> at_rest(Observer<S>& observer, const Vec3<S>& d_B, int samples) {
+Estimate<S> at_rest(Alone<Observer<S>>& observer, const Vec3<S>& d_B, int samples) {
   Measurement<S> y;
   y.h_w = VecN<S>::Zero(3);
   Allocation<S> last = Allocation<S>::idle(3);
@@ -164,7 +165,7 @@ TYPED_TEST(MixedLearning_, TheObserverFindsAConstantTorqueUpToItsLeak) {
   const Setup<S> setup = cube<S>();
   typename Observer<S>::Params p(setup);
   p.clamp = S(10);
-  Observer<S> observer(unchecked, setup, p);
+  Alone<Observer<S>> observer(unchecked, setup, p);
   const Vec3<S> d(S(0.1), S(-0.05), S(0.02));
   const Estimate<S> x = at_rest<S>(observer, d, 4000);
   EXPECT_LT(missing(setup, p, x, d), tolerance<S>);
@@ -177,7 +178,7 @@ TYPED_TEST(MixedLearning_, TheSignTermBiasesTheLearntTorqueByItself) {
   typename Observer<S>::Params p(setup);
   p.clamp = S(10);
   p.theta1 = S(0.005);
-  Observer<S> observer(unchecked, setup, p);
+  Alone<Observer<S>> observer(unchecked, setup, p);
   const Vec3<S> d(S(0.1), S(-0.05), S(0.04));
   const Vec3<S> push(p.theta1, -p.theta1, p.theta1);
   const Estimate<S> x = at_rest<S>(observer, d, 4000);
@@ -193,7 +194,7 @@ TYPED_TEST(MixedLearning_, WheelsAndRateThatTheModelExplainsAreNotLearnt) {
   const Vec3<S> gyro = y.omega_BN_B.cross(setup.vehicle.J_B * y.omega_BN_B + Vec3<S>(S(1), S(2), S(-1.5)));
   Allocation<S> last = Allocation<S>::idle(3);
   last.u = gyro;  // holds the rate
-  auto observer = by_default<Observer<S>>(setup);
+  auto observer = alone<Observer<S>>(setup);
   Estimate<S> x = observer.start(y);
   EXPECT_EQ(x.d_B, Vec3<S>(Vec3<S>::Zero()));
   for (int k = 0; k < 500; ++k) x = observer.step(y, last);
@@ -204,7 +205,7 @@ TYPED_TEST(MixedLearning_, StartForgetsAndAColdStartBeginsAtZeroRate) {
   using S = TypeParam;
   const Setup<S> setup = cube<S>();
   typename Observer<S>::Params p(setup);
-  Observer<S> fresh(unchecked, setup, p), used(unchecked, setup, p);
+  Alone<Observer<S>> fresh(unchecked, setup, p), used(unchecked, setup, p);
   at_rest<S>(used, {S(0.1), S(0.1), S(0.1)}, 50);
   Measurement<S> y;
   y.h_w = VecN<S>::Zero(3);
@@ -214,7 +215,7 @@ TYPED_TEST(MixedLearning_, StartForgetsAndAColdStartBeginsAtZeroRate) {
   y.omega_BN_B *= S(1.1);
   EXPECT_EQ(used.step(y, last).d_B, fresh.step(y, last).d_B);
   p.start = Observer<S>::Start::zero;
-  Observer<S> cold(unchecked, setup, p);
+  Alone<Observer<S>> cold(unchecked, setup, p);
   const Vec3<S> first = p.sigma2 * p.K2 * y.omega_BN_B;
   EXPECT_LT((cold.start(y).d_B - first).norm(), S(1e-6) * first.norm());
 }
@@ -260,7 +261,7 @@ TYPED_TEST(MixedLearning_, FollowsARelabellingAndReflectionOfTheAxes) {
   turned.vehicle.J_B = R * setup.vehicle.J_B * R.transpose();
   auto p = typename Observer<S>::Params(setup), q = typename Observer<S>::Params(turned);
   p.theta1 = q.theta1 = S(0.003);
-  Observer<S> one(unchecked, setup, p), other(unchecked, turned, q);
+  Alone<Observer<S>> one(unchecked, setup, p), other(unchecked, turned, q);
   Random random(4);
   Measurement<S> y, z;
   y.h_w = z.h_w = VecN<S>::Zero(3);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "gyrostat/flight/controllers/mixed_learning_terminal_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/sliding_mode.hpp"
@@ -73,7 +74,7 @@ TEST(SlidingMode, TheNetworkStaysBoundedByItsForgetting) {
   const auto setup = ftc_4rw<double>();
   SlidingMode<double>::Params p(setup);
   p.network_rate = 0.3;
-  SlidingMode<double> law(unchecked, setup, p);
+  Alone<SlidingMode<double>> law(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(4);
   y.omega_BN_B = {0.5, -0.5, 0.5};  // held by force: nothing the network does helps
@@ -105,7 +106,7 @@ TYPED_TEST(SlidingLaws, StartTwiceIsStartOnceAndTheOtherSignOfTheQuaternionIsThe
   using S = typename TypeParam::Scalar;
   const Setup<S> setup = ftc_4rw<S>();
   const typename TypeParam::Params p(setup);
-  TypeParam fresh(unchecked, setup, p), used(unchecked, setup, p);
+  Alone<TypeParam> fresh(unchecked, setup, p), used(unchecked, setup, p);
   Measurement<S> y;
   y.h_w = VecN<S>::Zero(4);
   y.q_NB = Quat<S>(S(0.8), S(0.36), S(-0.4), S(0.2689)).normalized();
@@ -135,8 +136,8 @@ TYPED_TEST(MixedLearningLaws, WithoutItsPowersTheTerminalLawIsTheLinearOne) {
   const Setup<S> setup = ftc_4rw<S>();
   typename MixedLearningTerminalSlidingMode<S>::Params p(setup);
   p.terminal = p.k_power = S(0);
-  auto linear = by_default<MixedLearningSlidingMode<S>>(setup);
-  MixedLearningTerminalSlidingMode<S> terminal(unchecked, setup, p);
+  auto linear = alone<MixedLearningSlidingMode<S>>(setup);
+  Alone<MixedLearningTerminalSlidingMode<S>> terminal(unchecked, setup, p);
   const Detection<S> det = Detection<S>::none(setup.vehicle);
   const Allocation<S> last = Allocation<S>::idle(4);
   Random random(7);
@@ -165,18 +166,18 @@ TYPED_TEST(MixedLearningLaws, AJumpOfTheStateTeachesNothing) {
     static_cast<void>(law.step(x, det, {}, last));
     EXPECT_NE(telemetry_of(law).at("learnt"), learnt) << "it goes on";
   };
-  expect(by_default<MixedLearningSlidingMode<S>>(setup));
-  expect(by_default<MixedLearningTerminalSlidingMode<S>>(setup));
+  expect(alone<MixedLearningSlidingMode<S>>(setup));
+  expect(alone<MixedLearningTerminalSlidingMode<S>>(setup));
 }
 
 TEST(SlidingMode, TheNetworkIsTheOneOfItsPage) {
   const auto setup = ftc_4rw<double>();
   SlidingMode<double>::Params p(setup);
-  SlidingMode<double> plain(unchecked, setup, p);
+  Alone<SlidingMode<double>> plain(unchecked, setup, p);
   p.network_rate = 0.3;
   p.network_leak = 0.7;
   p.network_reach = 0.4;
-  SlidingMode<double> law(unchecked, setup, p);
+  Alone<SlidingMode<double>> law(unchecked, setup, p);
   // The origin, and one node each way along each of q and w.
   Eigen::Matrix<double, 13, 6> node = Eigen::Matrix<double, 13, 6>::Zero();
   for (int i = 0; i < 6; ++i) {
@@ -213,9 +214,9 @@ TYPED_TEST(SlidingLaws, SubtractTheEstimatedTorqueOnceWhereThatIsAskedFor) {
   const Setup<S> setup = ftc_4rw<S>();
   typename TypeParam::Params p(setup);
   p.compensate = true;
-  TypeParam with(unchecked, setup, p);
+  Alone<TypeParam> with(unchecked, setup, p);
   p.compensate = false;
-  TypeParam without(unchecked, setup, p);
+  Alone<TypeParam> without(unchecked, setup, p);
   Random random(9);
   const Estimate<S> x = some_estimate<S>(random);
   const Vec3<S> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;
@@ -239,10 +240,10 @@ TEST(MixedLearningTerminal, ReachesWithThePowerOfS) {
   const auto setup = ftc_4rw<double>();
   MixedLearningTerminalSlidingMode<double>::Params p(setup);
   p.k_power = 0;
-  MixedLearningTerminalSlidingMode<double> without(unchecked, setup, p);
+  Alone<MixedLearningTerminalSlidingMode<double>> without(unchecked, setup, p);
   p.k_power = 0.7;
   p.power_s = 0.6;
-  MixedLearningTerminalSlidingMode<double> with(unchecked, setup, p);
+  Alone<MixedLearningTerminalSlidingMode<double>> with(unchecked, setup, p);
   Random random(10);
   const Estimate<double> x = some_estimate<double>(random);
   const Vec3<double> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;
@@ -274,9 +275,9 @@ TYPED_TEST(SlidingLaws, SwitchInTheirLayer) {
     typename TypeParam::Params p(setup);
     p.width = width;
     p.k_sgn = S(0);
-    TypeParam without(unchecked, setup, p);
+    Alone<TypeParam> without(unchecked, setup, p);
     p.k_sgn = S(0.5);
-    TypeParam with(unchecked, setup, p);
+    Alone<TypeParam> with(unchecked, setup, p);
     for (int k = 0; k < 20; ++k) {
       const Estimate<S> x = some_estimate<S>(random);
       const Vec3<S> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
 #include "gyrostat/flight/controllers/finite_time.hpp"
@@ -27,7 +28,7 @@ Stack<S> nominal_stack(const gyrostat::Setup<S>& s, const typename NominalLaw<S>
 
 gyrostat::Setup<double> unlimited(double dt) { return li2018::setup(std::numeric_limits<double>::infinity(), dt); }
 
-Demand<double> ask(FiniteTime<double>& law, const Quat<double>& q, const Vec3<double>& omega,
+Demand<double> ask(Alone<FiniteTime<double>>& law, const Quat<double>& q, const Vec3<double>& omega,
                    const Vec3<double>& d_B = Vec3<double>::Zero()) {
   Measurement<double> y;
   y.q_NB = q;
@@ -40,7 +41,7 @@ Demand<double> ask(FiniteTime<double>& law, const Quat<double>& q, const Vec3<do
 
 TEST(NominalLaw, IsThePublishedFormulaWrittenOut) {
   const auto setup = unlimited(0.001);
-  FiniteTime<double> law(unchecked, setup, li2018::controller<double>().nominal);
+  Alone<FiniteTime<double>> law(unchecked, setup, li2018::controller<double>().nominal);
   Random random(11);
   for (int trial = 0; trial < 100; ++trial) {
     const Vec3<double> rho = 0.5 * random.vector<double>(1), omega = random.vector<double>(1.5);
@@ -60,12 +61,12 @@ TEST(NominalLaw, IsThePublishedFormulaWrittenOut) {
 }
 
 TEST(NominalLaw, AsksForNothingAtRestOnTarget) {
-  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
+  Alone<FiniteTime<double>> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   EXPECT_EQ(ask(law, Quat<double>::Identity(), Vec3<double>::Zero()).tau_B.norm(), 0);
 }
 
 TEST(NominalLaw, BothSignsOfTheQuaternionAreOneAttitude) {
-  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
+  Alone<FiniteTime<double>> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   Random random(12);
   for (int trial = 0; trial < 50; ++trial) {
     const Quat<double> q = random.attitude<double>();
@@ -75,7 +76,7 @@ TEST(NominalLaw, BothSignsOfTheQuaternionAreOneAttitude) {
 }
 
 TEST(NominalLaw, FiniteTimeSubtractsTheEstimatedTorque) {
-  FiniteTime<double> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
+  Alone<FiniteTime<double>> law(unchecked, unlimited(0.001), li2018::controller<double>().nominal);
   const Vec3<double> d_B{0.01, -0.02, 0.03};
   EXPECT_EQ(ask(law, Quat<double>::Identity(), Vec3<double>::Zero(), d_B).tau_B, Vec3<double>(-d_B));
 }
@@ -134,7 +135,7 @@ TEST(NominalLaw, FollowsAnAcceleratingReference) {
 
 TEST(NominalLaw, DefaultsAskForTheAuthorityAtFortyFiveDegrees) {
   const auto setup = ftc_4rw<double>();
-  auto law = by_default<FiniteTime<double>>(setup);
+  auto law = alone<FiniteTime<double>>(setup);
   const Quat<double> q = quat_exp<double>({0, 0, 3.14159265358979323846 / 4});
   EXPECT_NEAR(ask(law, q, Vec3<double>::Zero()).tau_B.norm(), torque_authority(setup.vehicle), 1e-12);
 }

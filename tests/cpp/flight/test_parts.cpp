@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "gyrostat/flight/allocators/parts/ldl.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
 #include "gyrostat/flight/detectors/parts/null_space.hpp"
@@ -91,7 +92,7 @@ TEST(Tracking, IsWhatAProportionalLawAddsToItsError) {
   p.K = 2;
   p.P = 7;
   p.compensate = false;
-  MrpFeedback<double> law(unchecked, m.setup, p);
+  Alone<MrpFeedback<double>> law(unchecked, m.setup, p);
   const Tracking<double> t = track(m.setup.vehicle, m.x, m.ref);
   const Vec3<double> expected = t.feedforward_B - 2 * t.sigma_BR - 7 * t.omega_BR_B;
   EXPECT_GT(t.feedforward_B.norm(), 0.1);

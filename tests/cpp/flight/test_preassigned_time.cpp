@@ -4,6 +4,7 @@
 
 #include <tuple>
 
+#include "alone.hpp"
 #include "gyrostat/flight/controllers/preassigned_time_sliding_mode.hpp"
 #include "random.hpp"
 #include "telemetry_log.hpp"
@@ -67,7 +68,7 @@ Law::Params gains(double T) {
 double error_from(const Vec3<double>& angles, const Vec3<double>& rates, double T, double& surface) {
   constexpr double dt = 0.002;
   const auto setup = printed(dt);
-  Law law(unchecked, setup, gains(T));
+  Alone<Law> law(unchecked, setup, gains(T));
   Estimate<double> x;
   x.h_w = VecN<double>::Zero(3);
   x.effectiveness = VecN<double>::Ones(3);
@@ -110,7 +111,7 @@ TEST(PreassignedTime, AsksForNoTorqueAtTheFirstSampleOnABody) {
   auto setup = ftc_4rw<double>();
   Random random(3);
   for (int trial = 0; trial < 50; ++trial) {
-    Law law(unchecked, setup, gains(5));
+    Alone<Law> law(unchecked, setup, gains(5));
     Estimate<double> x;
     x.h_w = VecN<double>::Constant(4, 0.2);
     x.q_NB = quat_from_euler(random.vector<double>(1.2));
@@ -126,7 +127,7 @@ TEST(PreassignedTime, GivesTheAngularAccelerationThatItAsksForOnABody) {
   auto setup = ftc_4rw<double>();
   auto p = gains(5);
   p.start_acceleration = Law::StartAcceleration::zero;
-  Law law(unchecked, setup, p);
+  Alone<Law> law(unchecked, setup, p);
   Estimate<double> x;
   x.h_w = VecN<double>::Constant(4, -0.3);
   const Vec3<double> angles(0.4, -0.7, 1.1), rates(0.2, 0.3, -0.1);
@@ -145,7 +146,7 @@ TEST(PreassignedTime, GivesTheAngularAccelerationThatItAsksForOnABody) {
 
 TEST(PreassignedTime, SaysWhenTheAnglesDoNotExist) {
   auto setup = ftc_4rw<double>();
-  Law law(unchecked, setup, gains(5));
+  Alone<Law> law(unchecked, setup, gains(5));
   Estimate<double> x;
   x.h_w = VecN<double>::Zero(4);
   for (const double pitch : {1.5707963267948966, -1.5707963267948966, 1.57079, 1.5707963267948966 - 0.9 * 0.01 * 0.4}) {
@@ -161,7 +162,7 @@ TEST(PreassignedTime, MovesItsTimeAwayOnlyWhileTheCommandFallsShort) {
   auto setup = ftc_4rw<double>();
   auto p = gains(5);
   p.stretch = 10;
-  Law law(unchecked, setup, p);
+  Alone<Law> law(unchecked, setup, p);
   Estimate<double> x;
   x.h_w = VecN<double>::Zero(4);
   x.q_NB = quat_from_euler<double>({0.5, 0.2, 0.1});
@@ -181,7 +182,7 @@ TEST(PreassignedTime, MovesItsTimeAwayAfterItHasPassedToo) {
   auto setup = ftc_4rw<double>();
   auto p = gains(0.05);
   p.stretch = 10;
-  Law law(unchecked, setup, p);
+  Alone<Law> law(unchecked, setup, p);
   Estimate<double> x;
   x.h_w = VecN<double>::Zero(4);
   x.q_NB = quat_from_euler<double>({0.1, 0, 0});
@@ -207,7 +208,7 @@ TEST(PreassignedTime, DampsATumbleThatFallsShortAndPlansAnewAfterIt) {
   last.demand_B = Vec3<double>(1, 0, 0);  // nothing is achieved
   for (const double stretch : {10.0, 0.0}) {
     p.stretch = stretch;
-    Law law(unchecked, setup, p);
+    Alone<Law> law(unchecked, setup, p);
     x.omega_BN_B.setZero();
     (void)law.start(x, {}, {});
     x.omega_BN_B = Vec3<double>(0.5, -0.3, 0.4);
@@ -247,7 +248,7 @@ TEST(PreassignedTime, IsThePrintedLawWithAMovingReferenceAndAnEstimatedTorque) {
   const Law::Params p = gains(3);
   Random random(11);
   for (int trial = 0; trial < 50; ++trial) {
-    Law law(unchecked, setup, p);
+    Alone<Law> law(unchecked, setup, p);
     Estimate<double> x = state(3);
     Reference<double> ref;
     const auto draw = [&](double angle, double rate) {
@@ -279,7 +280,7 @@ TEST(PreassignedTime, IsThePrintedLawWithAMovingReferenceAndAnEstimatedTorque) {
 }
 
 TEST(PreassignedTime, TakesTheErrorOfAnglesTheShortWayRound) {
-  Law law(unchecked, ftc_4rw<double>(), gains(5));
+  Alone<Law> law(unchecked, ftc_4rw<double>(), gains(5));
   Estimate<double> x = state(4);
   x.q_NB = quat_from_euler<double>({0.1, 0.2, 3.1});
   Reference<double> ref;
@@ -297,7 +298,7 @@ TEST(PreassignedTime, APlanAfterAShortfallAsksForWhatWasAchieved) {
     const gyrostat::Setup<double> setup = body ? ftc_4rw<double>() : printed(0.01);
     const int n = setup.vehicle.actuators();
     for (int trial = 0; trial < 20; ++trial) {
-      Law law(unchecked, setup, p);
+      Alone<Law> law(unchecked, setup, p);
       Estimate<double> x = state(n);
       x.q_NB = quat_from_euler(random.vector<double>(0.5));
       x.euler.angles = random.vector<double>(0.5);
@@ -325,7 +326,7 @@ TEST(PreassignedTime, FallsShortFromAHundredthOfTheDemandOn) {
   // A hundredth of the demand, and a thousandth of the usable torque for demands about zero.
   const double torque = usable_torque(setup.vehicle);
   for (const double missing : {0.99, 1.01}) {
-    Law law(unchecked, setup, p);
+    Alone<Law> law(unchecked, setup, p);
     const Estimate<double> x = state(4);
     (void)law.start(x, {}, {});
     Allocation<double> last = Allocation<double>::idle(4);
@@ -337,7 +338,7 @@ TEST(PreassignedTime, FallsShortFromAHundredthOfTheDemandOn) {
 }
 
 TEST(PreassignedTime, ANewTargetHasAllOfTheTimeAgain) {
-  Law law(unchecked, ftc_4rw<double>(), gains(5));
+  Alone<Law> law(unchecked, ftc_4rw<double>(), gains(5));
   Estimate<double> x = state(4);
   const Allocation<double> last = Allocation<double>::idle(4);
   Reference<double> ref;
@@ -356,7 +357,7 @@ TEST(PreassignedTime, AJumpOfTheStateHasAllOfTheTimeAgainUnlessTIsKept) {
   for (const double stretch : {10.0, 0.0}) {
     auto p = gains(5);
     p.stretch = stretch;
-    Law law(unchecked, ftc_4rw<double>(), p);
+    Alone<Law> law(unchecked, ftc_4rw<double>(), p);
     Estimate<double> x = state(4);
     const Allocation<double> last = Allocation<double>::idle(4);
     (void)law.start(x, {}, {});
@@ -377,7 +378,8 @@ gyrostat::Setup<double> ball() {
   return vehicle_with<double>(20 * Mat3<double>::Identity(), D, 0.2, 0.01);
 }
 
-bool damps(Law& law, const Estimate<double>& x, const Allocation<double>& last, double c, const Mat3<double>& J) {
+bool damps(Alone<Law>& law, const Estimate<double>& x, const Allocation<double>& last, double c,
+           const Mat3<double>& J) {
   return (law.step(x, {}, {}, last).tau_B + c * (J * x.omega_BN_B)).norm() == 0;
 }
 
@@ -385,7 +387,7 @@ TEST(PreassignedTime, ATumbleBeginsWhereStoppingTakesARadianAndEndsAtATenthOfIt)
   const auto setup = ball();
   auto p = gains(5);
   p.stretch = 10;
-  Law law(unchecked, setup, p);
+  Alone<Law> law(unchecked, setup, p);
   Estimate<double> x = state(3);
   Allocation<double> short_of = Allocation<double>::idle(3);
   short_of.demand_B = Vec3<double>(1, 0, 0);
@@ -429,7 +431,7 @@ TEST(PreassignedTime, AGyroscopicTorqueBeyondTheActuatorsIsATumbleToo) {
   Allocation<double> last = Allocation<double>::idle(3);
   last.demand_B = Vec3<double>(1, 0, 0);
   for (const double momentum : {1.9, 2.1}) {  // times 0.1 rad/s: 0.2 N m are at hand
-    Law law(unchecked, setup, p);
+    Alone<Law> law(unchecked, setup, p);
     Estimate<double> x = state(3);
     (void)law.start(x, {}, {});
     x.h_w[1] = momentum;
@@ -442,7 +444,7 @@ TEST(PreassignedTime, TheAnglesEndATenthOfAMilliradianBeforeThePoleOrAPeriodBefo
   const double pole = 1.5707963267948966;
   for (const auto& [distance, rate, singular] : {std::tuple(0.9e-4, 0.0, true), std::tuple(1.1e-4, 0.0, false),
                                                  std::tuple(3.8e-3, 0.4, true), std::tuple(4.2e-3, 0.4, false)}) {
-    Law law(unchecked, ftc_4rw<double>(), gains(5));
+    Alone<Law> law(unchecked, ftc_4rw<double>(), gains(5));
     Estimate<double> x = state(4);
     const Vec3<double> angles(0.3, pole - distance, -0.2);
     x.q_NB = quat_from_euler(angles);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "gyrostat/flight/controllers/finite_time.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
@@ -54,7 +55,7 @@ void asks_for_nothing_on_target(const Setup<typename Law::Scalar>& setup, const 
     for (const auto direction : {SwitchingDirection::surface, SwitchingDirection::matched}) {
       p.phi = phi;
       p.direction = direction;
-      Law law(unchecked, setup, p);
+      Alone<Law> law(unchecked, setup, p);
       const Detection<S> det = Detection<S>::none(setup.vehicle);
       EXPECT_EQ(law.start(at<S>(Quat<S>::Identity(), Vec3<S>::Zero(), setup.vehicle.actuators()), det, {}).tau_B,
                 Vec3<S>(Vec3<S>::Zero()));
@@ -86,12 +87,12 @@ TEST(PredefinedTimeDouble, TheSlidingVariableFollowsTheLemmaOnTheNominalPlant) {
   const Detection<double> det = Detection<double>::none(setup.vehicle);
   Random random(5);
   for (int trial = 0; trial < 200; ++trial) {
-    PredefinedTime<double> law(unchecked, setup, p);
+    Alone<PredefinedTime<double>> law(unchecked, setup, p);
     const Quat<double> q = random.attitude<double>();
     const Vec3<double> w = random.vector<double>(0.5);
     if (mrp(short_way(q)).squaredNorm() / 2 < 4 * p.floor1) continue;
     const auto s_of = [&](const Quat<double>& attitude, const Vec3<double>& rate) {
-      PredefinedTime<double> probe(unchecked, setup, p);
+      Alone<PredefinedTime<double>> probe(unchecked, setup, p);
       (void)probe.start(at<double>(attitude, rate, 3), det, {});
       const auto values = telemetry_of(probe).at("s");
       return Vec3<double>(values[0], values[1], values[2]);
@@ -199,9 +200,9 @@ void flies_the_long_way_when_told() {
   const Detection<double> det = Detection<double>::none(setup.vehicle);
   const Estimate<double> x = at<double>(turned(4.0), Vec3<double>::Zero(), 3);  // 229 deg
   typename Law::Params p(setup);
-  Law short_law(unchecked, setup, p);
+  Alone<Law> short_law(unchecked, setup, p);
   p.shadow_switch = std::numeric_limits<double>::infinity();
-  Law long_law(unchecked, setup, p);
+  Alone<Law> long_law(unchecked, setup, p);
   EXPECT_GT(short_law.start(x, det, {}).tau_B[0], 0);
   EXPECT_LT(long_law.start(x, det, {}).tau_B[0], 0);
 }
@@ -221,7 +222,7 @@ void chooses_anew_at_a_start() {
   const Detection<double> det = Detection<double>::none(setup.vehicle);
   typename Law::Params p(setup);
   p.shadow_switch = 2;
-  Law law(unchecked, setup, p), fresh = law;
+  Alone<Law> law(unchecked, setup, p), fresh = law;
   const auto beyond = at<double>(turned(3.6), Vec3<double>::Zero(), 3);  // 206 deg: |sigma| = 1.25
   (void)law.start(at<double>(turned(3.0), Vec3<double>::Zero(), 3), det, {});
   EXPECT_LT(law.step(beyond, det, {}, Allocation<double>::idle(3)).tau_B[0], 0) << "goes on with its set";
@@ -247,11 +248,11 @@ void switches_along_what_it_is_told(const typename Law::Params& params) {
   for (int trial = 0; trial < 40; ++trial) {
     auto p = params;
     p.k_s = 0;
-    Law without(unchecked, setup, p);
+    Alone<Law> without(unchecked, setup, p);
     p.k_s = 3;
     p.phi = trial % 2 == 0 ? 0.0 : 0.2;
     p.direction = trial % 4 < 2 ? SwitchingDirection::surface : SwitchingDirection::matched;
-    Law with(unchecked, setup, p);
+    Alone<Law> with(unchecked, setup, p);
     Estimate<double> x = at<double>(random.attitude<double>(), random.vector<double>(0.3), 3);
     x.d_B = random.vector<double>(1);
     const Vec3<double> difference = without.start(x, {}, {}).tau_B - with.start(x, {}, {}).tau_B;
@@ -280,7 +281,7 @@ Vec3<double> s_ahead(const typename Law::Params& p, const Quat<double>& q, const
   const auto setup = satellite();
   const Mat3<double>& J = setup.vehicle.J_B;
   const Vec3<double> wdot = J.inverse() * (tau_B - w.cross(J * w));
-  Law probe(unchecked, setup, p);
+  Alone<Law> probe(unchecked, setup, p);
   const Quat<double> later = q * quat_exp<double>(Vec3<double>(t * (w + t / 2 * wdot)));
   (void)probe.start(at<double>(later, w + t * wdot, 3), {}, {});
   const std::vector<double> s = telemetry_of(probe).at("s");
@@ -298,7 +299,7 @@ TEST(PredefinedTimeDouble, BothTimesAndPowersStandWhereTheyBelong) {
     const Vec3<double> w = random.vector<double>(0.5);
     const Vec3<double> sigma = mrp(short_way(q)), sigma_rate = mrp_rate_matrix(sigma) * w;
     if (sigma.squaredNorm() / 2 < 4 * p.floor1) continue;
-    PredefinedTime<double> law(unchecked, satellite(), p);
+    Alone<PredefinedTime<double>> law(unchecked, satellite(), p);
     const Vec3<double> tau_B = law.start(at<double>(q, w, 3), {}, {}).tau_B;
     const Vec3<double> s = s_ahead<PredefinedTime<double>>(p, q, w, tau_B, 0);
     const double V1 = sigma.squaredNorm() / 2, V2 = s.squaredNorm() / 2;
@@ -328,7 +329,7 @@ TEST(TerminalSlidingModeDouble, ReachesItsSurfaceAsItSays) {
     const Vec3<double> w = random.vector<double>(0.5);
     const Vec3<double> sigma = mrp(short_way(q)), sigma_rate = mrp_rate_matrix(sigma) * w;
     if (sigma.cwiseAbs().minCoeff() < 3 * p.eta || sigma.norm() > 0.95) continue;  // curvature of the core, other set
-    TerminalSlidingMode<double> law(unchecked, satellite(), p);
+    Alone<TerminalSlidingMode<double>> law(unchecked, satellite(), p);
     const Vec3<double> tau_B = law.start(at<double>(q, w, 3), {}, {}).tau_B;
     const Vec3<double> s = s_ahead<TerminalSlidingMode<double>>(p, q, w, tau_B, 0);
     const double h = 1e-6;

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "alone.hpp"
 #include "gyrostat/flight/controllers/fast_terminal_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/prescribed_performance.hpp"
 #include "telemetry_log.hpp"
@@ -111,7 +112,7 @@ TYPED_TEST(PrescribedPerformanceLaw, ArmsAtTheStartAtJumpsAndAtDetectedFaults) {
   for (const auto arming : {C::Arming::adaptive, C::Arming::fixed}) {
     typename C::Params p(setup);
     p.arming = arming;
-    C law(unchecked, setup, p);
+    Alone<C> law(unchecked, setup, p);
     const bool adaptive = arming == C::Arming::adaptive;
     Estimate<S> x = turned_by<S>({S(0.3), S(-0.2), S(0)});
     Detection<S> det;
@@ -142,7 +143,7 @@ TYPED_TEST(PrescribedPerformanceLaw, ClosesInTheTimeThatTheTorqueAtHandNeeds) {
   using S = TypeParam;
   using C = PrescribedPerformance<S>;
   const gyrostat::Setup<S> setup = orthogonal<S>();
-  auto law = by_default<C>(setup);
+  auto law = alone<C>(setup);
   Estimate<S> x = turned_by<S>({S(0.5), S(0), S(0)});
   x.effectiveness[0] = S(0.25);
   (void)law.start(x, {}, {});
@@ -153,8 +154,9 @@ TYPED_TEST(PrescribedPerformanceLaw, ClosesInTheTimeThatTheTorqueAtHandNeeds) {
 TYPED_TEST(PrescribedPerformanceLaw, BothSignsOfTheQuaternionStartTheShortWay) {
   using S = TypeParam;
   const gyrostat::Setup<S> setup = orthogonal<S>();
-  PrescribedPerformance<S> one(unchecked, setup, typename PrescribedPerformance<S>::Params(setup)), other(one);
-  FastTerminalSlidingMode<S> slide(unchecked, setup, typename FastTerminalSlidingMode<S>::Params(setup)), glide(slide);
+  Alone<PrescribedPerformance<S>> one(unchecked, setup, typename PrescribedPerformance<S>::Params(setup)), other(one);
+  Alone<FastTerminalSlidingMode<S>> slide(unchecked, setup, typename FastTerminalSlidingMode<S>::Params(setup)),
+      glide(slide);
   const Vec3<S> angles{S(0.3), S(-0.2), S(0.1)};
   const Estimate<S> plus = turned_by<S>(angles), minus = turned_by<S>(angles, S(-1));
   EXPECT_EQ(one.start(plus, {}, {}).tau_B, other.start(minus, {}, {}).tau_B);
@@ -169,7 +171,7 @@ TYPED_TEST(PrescribedPerformanceLaw, TheTerminalLawIsTheClosedFormAtRest) {
   const gyrostat::Setup<S> setup = orthogonal<S>();
   typename C::Params p(setup);
   p.b1 = S(0.2), p.b2 = S(0.01), p.b3 = S(15), p.b4 = S(0.05), p.s_core = S(1e-3);
-  C law(unchecked, setup, p);
+  Alone<C> law(unchecked, setup, p);
   const Demand<S> demand = law.start(turned_by<S>({S(0.3), S(0), S(0)}), {}, {});
   const double q = std::sin(0.15), s = 0.2 * q + 0.01 * std::pow(q, 0.6);
   EXPECT_NEAR(demand.tau_B[0], -15 * s - 0.05 * std::pow(s, 0.6), 1e-5);
@@ -223,14 +225,14 @@ TYPED_TEST(PrescribedPerformanceLaw, TakesTheShortWayAtAJumpAndKeepsItBetweenJum
     EXPECT_EQ(tau_B, fresh.start(beyond_half_a_turn(S(0.02)), det, ref).tau_B) << "as one that starts there";
     EXPECT_NEAR(q_error(fresh), -1, 1e-3);
   };
-  expect(by_default<PrescribedPerformance<S>>(setup));
-  expect(by_default<FastTerminalSlidingMode<S>>(setup));
+  expect(alone<PrescribedPerformance<S>>(setup));
+  expect(alone<FastTerminalSlidingMode<S>>(setup));
 }
 
 TEST(PrescribedPerformance, AJumpOfTheStateArmsAnewOnTheShortWay) {
   using C = PrescribedPerformance<double>;
   const gyrostat::Setup<double> setup = orthogonal<double>();
-  C law = by_default<C>(setup), fresh = law;
+  auto law = alone<C>(setup), fresh = law;
   Estimate<double> x = beyond_half_a_turn(-0.02);
   (void)law.start(x, {}, {});
   for (int k = 0; k < 100; ++k) (void)law.step(x, {}, {}, {});
@@ -246,7 +248,7 @@ TEST(PrescribedPerformance, AJumpOfTheStateArmsAnewOnTheShortWay) {
 TEST(PrescribedPerformance, AnArmBeginsTheFunnelAnewAndAStartForgetsTheBreaches) {
   using C = PrescribedPerformance<double>;
   const gyrostat::Setup<double> setup = orthogonal<double>();
-  C law(unchecked, setup, typename C::Params(setup)), fresh = law;
+  Alone<C> law(unchecked, setup, typename C::Params(setup)), fresh = law;
   const Estimate<double> far = turned_by<double>({0.3, -0.2, 0.1}), near = turned_by<double>({0.01, 0.02, 0.4});
   Detection<double> det;
   (void)law.start(far, det, {});
@@ -267,7 +269,7 @@ TEST(PrescribedPerformance, CountsTheTorqueOfRegularActuatorsOnTheirWeakerSide) 
       vehicle_with<double>(satellite_inertia<double>(), Mat3N<double>(pyramid<double>()), 0.2, 0.01);
   setup.vehicle.spare.set(3);
   setup.vehicle.u_lo[1] = -0.1;
-  auto law = by_default<C>(setup);
+  auto law = alone<C>(setup);
   Measurement<double> y;
   y.q_NB = quat_from_euler<double>({0.5, 0, 0});
   y.h_w = VecN<double>::Zero(4);
@@ -284,17 +286,17 @@ TEST(PrescribedPerformance, SubtractsTheEstimatedTorqueOnce) {
     x.d_B = {0.1, -0.2, 0.3};
     EXPECT_LT((without - law.start(x, {}, {}).tau_B - x.d_B).norm(), 1e-15);
   };
-  expect(by_default<PrescribedPerformance<double>>(setup));
-  expect(by_default<FastTerminalSlidingMode<double>>(setup));
+  expect(alone<PrescribedPerformance<double>>(setup));
+  expect(alone<FastTerminalSlidingMode<double>>(setup));
 }
 
 TEST(PrescribedPerformance, AsPrintedTheGyroscopicTorqueHasTheOtherSignAndTheReferenceNoMotion) {
   using C = PrescribedPerformance<double>;
   const gyrostat::Setup<double> setup = orthogonal<double>();
   typename C::Params p(setup);
-  C law(unchecked, setup, p);
+  Alone<C> law(unchecked, setup, p);
   p.as_printed = true;
-  C printed(unchecked, setup, p);
+  Alone<C> printed(unchecked, setup, p);
   Estimate<double> x = turned_by<double>({0.3, -0.2, 0.1});
   x.omega_BN_B = {0.1, -0.2, 0.05};
   x.h_w << 1, -2, 3;

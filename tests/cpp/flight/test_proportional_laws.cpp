@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "closed_loop.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
 #include "gyrostat/flight/controllers/open_loop.hpp"
@@ -39,7 +40,7 @@ MrpFeedback<double>::Params uncompensated(double K, double P) {
 }
 
 TEST(MrpFeedback, IsItsFormula) {
-  const MrpFeedback<double> law(unchecked, ftc_4rw<double>(), uncompensated(2, 7));
+  const Alone<MrpFeedback<double>> law(unchecked, ftc_4rw<double>(), uncompensated(2, 7));
   const Vec3<double> sigma{0.1, -0.2, 0.3}, omega{0.01, 0.02, -0.03};
   EXPECT_LT((ask(law, sigma, omega).tau_B - (-2 * sigma - 7 * omega)).norm(), 1e-15);
   const Vec3<double> long_way = mrp_shadow(sigma);  // |sigma| > 1: the law takes the short way
@@ -48,7 +49,7 @@ TEST(MrpFeedback, IsItsFormula) {
 
 TEST(SaturatedPd, IsItsFormulaAndKeepsItsBound) {
   const auto p = li2018::saturated_pd<double>();
-  const SaturatedPd<double> law(unchecked, ftc_4rw<double>(), p);
+  const Alone<SaturatedPd<double>> law(unchecked, ftc_4rw<double>(), p);
   Random random(31);
   for (int trial = 0; trial < 200; ++trial) {
     const Vec3<double> sigma = 0.57 * random.vector<double>(1), omega = random.vector<double>(3);
@@ -68,11 +69,11 @@ TEST(ProportionalLaws, TheEstimateIsSubtractedUnlessCompensateIsOff) {
   const Vec3<double> zero = Vec3<double>::Zero(), d_B{0.01, -0.02, 0.03};
   MrpFeedback<double>::Params mrp_params(setup);
   SaturatedPd<double>::Params pd_params(setup);
-  EXPECT_EQ(ask(MrpFeedback<double>(unchecked, setup, mrp_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
-  EXPECT_EQ(ask(SaturatedPd<double>(unchecked, setup, pd_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
+  EXPECT_EQ(ask(Alone<MrpFeedback<double>>(unchecked, setup, mrp_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
+  EXPECT_EQ(ask(Alone<SaturatedPd<double>>(unchecked, setup, pd_params), zero, zero, d_B).tau_B, Vec3<double>(-d_B));
   mrp_params.compensate = pd_params.compensate = false;
-  EXPECT_EQ(ask(MrpFeedback<double>(unchecked, setup, mrp_params), zero, zero, d_B).tau_B, zero);
-  EXPECT_EQ(ask(SaturatedPd<double>(unchecked, setup, pd_params), zero, zero, d_B).tau_B, zero);
+  EXPECT_EQ(ask(Alone<MrpFeedback<double>>(unchecked, setup, mrp_params), zero, zero, d_B).tau_B, zero);
+  EXPECT_EQ(ask(Alone<SaturatedPd<double>>(unchecked, setup, pd_params), zero, zero, d_B).tau_B, zero);
 }
 
 /// Largest growth from sample to sample of V = w'Jw/2 + 2 k ln(1 + sigma'sigma), without disturbance and limits.

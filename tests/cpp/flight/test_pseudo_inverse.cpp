@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "vehicles.hpp"
 
 namespace gyrostat::test {
@@ -40,7 +41,7 @@ TYPED_TEST(PseudoInverseOf, HealthyVehicleGivesTheRightInverseToRounding) {
   using S = TypeParam;
   const S tolerance = S(16) * Eigen::NumTraits<S>::epsilon();
   auto setup = vehicle_with<S>(satellite_inertia<S>(), pyramid<S>(), std::numeric_limits<S>::infinity(), S(0.01));
-  auto allocator = by_default<PseudoInverse<S>>(setup);
+  auto allocator = alone<PseudoInverse<S>>(setup);
   Inputs<S> in(setup);
   const Mat3N<S>& D = setup.vehicle.D_B;
   for (int axis = 0; axis < 3; ++axis) {
@@ -70,7 +71,7 @@ TYPED_TEST(PseudoInverseOf, AgreesWithTheSingularValueDecomposition) {
     const double condition = svd.singularValues()[0] / svd.singularValues()[2];
     if (condition > 50) continue;
     const Eigen::VectorXd expected = svd.solve(in.demand.tau_B.template cast<double>());
-    const Allocation<S> out = by_default<PseudoInverse<S>>(setup).step(in.demand, in.x, in.det);
+    const Allocation<S> out = alone<PseudoInverse<S>>(setup).step(in.demand, in.x, in.det);
     // A A' has the condition squared.
     const double tolerance = 16 * double{Eigen::NumTraits<S>::epsilon()} * condition * condition * expected.norm();
     EXPECT_LT((out.u.template cast<double>() - expected).norm(), tolerance) << trial;
@@ -87,7 +88,7 @@ TEST(PseudoInverse, FailedSpareAndWeakActuatorsGetNothingAndTheOthersTakeOver) {
     if (reason[0] == 'f') now.det.failed.set(1);
     if (reason[0] == 'n') now.det.enabled.set(1, false);
     if (reason[0] == 'w') now.x.effectiveness[1] = 0.04;
-    auto allocator = by_default<PseudoInverse<double>>(setup);
+    auto allocator = alone<PseudoInverse<double>>(setup);
     const Allocation<double> out = allocator.step(now.demand, now.x, now.det);
     EXPECT_EQ(out.u[1], 0) << reason;
     EXPECT_LT((setup.vehicle.D_B * out.u - in.demand.tau_B).norm(), 1e-15) << reason;
@@ -99,12 +100,12 @@ TEST(PseudoInverse, EffectivenessIsMadeUpForUnlessSwitchedOff) {
   Inputs<double> in(setup);
   in.demand.tau_B = {0.01, -0.02, 0.03};
   in.x.effectiveness << 0.4, 1, 0.7, 0.02;
-  const Allocation<double> with = by_default<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
+  const Allocation<double> with = alone<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
   EXPECT_LT((with.achieved_B - in.demand.tau_B).norm(), 1e-15);
   EXPECT_FALSE(with.status.has(Flag::demand_not_met));
   PseudoInverse<double>::Params p(setup);
   p.use_effectiveness = false;
-  const Allocation<double> without = PseudoInverse<double>(unchecked, setup, p).step(in.demand, in.x, in.det);
+  const Allocation<double> without = Alone<PseudoInverse<double>>(unchecked, setup, p).step(in.demand, in.x, in.det);
   const VecN<double> expected = setup.vehicle.D_B.transpose() * (0.75 * in.demand.tau_B);
   EXPECT_LT((without.u - expected).norm(), 1e-15);
   const Vec3<double> achieved = setup.vehicle.D_B * in.x.effectiveness.cwiseProduct(without.u);
@@ -114,7 +115,7 @@ TEST(PseudoInverse, EffectivenessIsMadeUpForUnlessSwitchedOff) {
 
 TEST(PseudoInverse, FollowsChangesOfMaskAndEffectiveness) {
   auto setup = unlimited();
-  auto allocator = by_default<PseudoInverse<double>>(setup);
+  auto allocator = alone<PseudoInverse<double>>(setup);
   Inputs<double> in(setup);
   in.demand.tau_B = {0.01, -0.02, 0.03};
   const VecN<double> healthy = allocator.step(in.demand, in.x, in.det).u;
@@ -134,7 +135,7 @@ TEST(PseudoInverse, PreferenceMovesOnlyInTheNullSpace) {
   in.demand.tau_B = {0.01, -0.02, 0.03};
   in.demand.u_pref = VecN<double>::Zero(4);
   in.demand.u_pref << 0.1, 0.02, -0.03, 0.05;
-  const Allocation<double> out = by_default<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
+  const Allocation<double> out = alone<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
   EXPECT_LT((out.achieved_B - in.demand.tau_B).norm(), 1e-15);
   const VecN<double> moved =
       out.u - in.demand.u_pref;  // least-norm correction: orthogonal to the null space (1,-1,1,-1)
@@ -150,14 +151,14 @@ TEST(PseudoInverse, PreferenceThatMakesTheDemandIsIssuedUnchanged) {
   in.demand.u_pref = VecN<double>::Zero(4);
   in.demand.u_pref << 0.1, 0.02, -0.03, 0.05;
   in.demand.tau_B = torque<double>(setup.vehicle.D_B, in.demand.u_pref);
-  EXPECT_EQ(by_default<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det).u, in.demand.u_pref);
+  EXPECT_EQ(alone<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det).u, in.demand.u_pref);
 }
 
 TEST(PseudoInverse, ClipsAndSaysSo) {
   auto setup = ftc_4rw<double>();
   Inputs<double> in(setup);
   in.demand.tau_B = {0.3, 0.3, 0};
-  const Allocation<double> out = by_default<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
+  const Allocation<double> out = alone<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
   EXPECT_EQ(out.u[0], 0.2);
   EXPECT_EQ(out.u[2], -0.2);
   EXPECT_EQ(out.saturated.bits(), 0b0101);
@@ -169,7 +170,7 @@ TEST(PseudoInverse, ClipsAndSaysSo) {
 TEST(PseudoInverse, KeepsTheRateFromSampleToSample) {
   auto setup = ftc_4rw<double>();
   setup.vehicle.u_rate.setConstant(1.0);  // 0.01 N m a sample
-  auto allocator = by_default<PseudoInverse<double>>(setup);
+  auto allocator = alone<PseudoInverse<double>>(setup);
   Inputs<double> in(setup);
   in.demand.tau_B = {0, 0, 0.2};
   VecN<double> before = VecN<double>::Zero(4);
@@ -190,7 +191,7 @@ TEST(PseudoInverse, DropsAnAxisThatOnlyMisalignmentReaches) {
   auto setup = vehicle_with<double>(satellite_inertia<double>(), D, infinity, 0.01);
   Inputs<double> in(setup);
   in.demand.tau_B = {0.1, -0.05, 0.1};
-  const Allocation<double> out = by_default<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
+  const Allocation<double> out = alone<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
   EXPECT_TRUE(out.status.has(Flag::rank_lost));
   EXPECT_TRUE(out.status.has(Flag::demand_not_met));
   EXPECT_LT(out.u.norm(), 0.2) << "no gain of a thousand for the sake of the third axis";
@@ -199,7 +200,7 @@ TEST(PseudoInverse, DropsAnAxisThatOnlyMisalignmentReaches) {
 
 TEST(PseudoInverse, SurvivesTheLossOfEverything) {
   auto setup = ftc_4rw<double>();
-  auto allocator = by_default<PseudoInverse<double>>(setup);
+  auto allocator = alone<PseudoInverse<double>>(setup);
   Inputs<double> in(setup);
   in.demand.tau_B = {0.1, 0, 0};
   for (int lost = 0; lost < 4; ++lost) {
@@ -217,7 +218,7 @@ TEST(PseudoInverse, RankTestFindsTheSingularValue) {
     auto setup = vehicle_with<double>(satellite_inertia<double>(), D, infinity, 0.01);
     Inputs<double> in(setup);
     in.demand.tau_B = {0, 0, s};
-    const Allocation<double> out = by_default<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
+    const Allocation<double> out = alone<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
     EXPECT_EQ(out.status.has(Flag::rank_lost), s < 0.01) << s;
     EXPECT_NEAR(out.u[2], s < 0.01 ? 0 : 1, 1e-12) << s;
   }
@@ -236,12 +237,12 @@ TEST(PseudoInverse, WhatIsUnknownCountsAsHealthyWhereThatIsAskedFor) {
   in.x.effectiveness << 0.5, 0.6, 0.7, 0.8;
   in.x.effectiveness_bound << 0.1, infinity, 0.2, infinity;
   PseudoInverse<double>::Params p(setup);
-  const VecN<double> as_estimated = PseudoInverse<double>(unchecked, setup, p).step(in.demand, in.x, in.det).u;
+  const VecN<double> as_estimated = Alone<PseudoInverse<double>>(unchecked, setup, p).step(in.demand, in.x, in.det).u;
   p.unknown = PseudoInverse<double>::Unknown::nominal;
-  const VecN<double> nominal = PseudoInverse<double>(unchecked, setup, p).step(in.demand, in.x, in.det).u;
+  const VecN<double> nominal = Alone<PseudoInverse<double>>(unchecked, setup, p).step(in.demand, in.x, in.det).u;
   Inputs<double> healthy = in;
   healthy.x.effectiveness << 0.5, 1, 0.7, 1;
-  EXPECT_EQ(nominal, by_default<PseudoInverse<double>>(setup).step(healthy.demand, healthy.x, healthy.det).u);
+  EXPECT_EQ(nominal, alone<PseudoInverse<double>>(setup).step(healthy.demand, healthy.x, healthy.det).u);
   EXPECT_GT((nominal - as_estimated).norm(), 1e-3);
 }
 
@@ -249,7 +250,7 @@ TEST(PseudoInverse, MovesNoFasterThanItsRateEitherWay) {
   auto setup = ftc_4rw<double>();
   setup.vehicle.u_rate << 1, 2, 3, 4;  // 0.01 ... 0.04 N m a sample
   const VecN<double> step = setup.vehicle.u_rate * 0.01;
-  auto allocator = by_default<PseudoInverse<double>>(setup);
+  auto allocator = alone<PseudoInverse<double>>(setup);
   Inputs<double> in(setup);
   VecN<double> u = VecN<double>::Zero(4);
   for (int k = 0; k < 40; ++k) {
@@ -271,7 +272,7 @@ TEST(PseudoInverse, DoesNotPreferWhatItMayNotUse) {
   Inputs<double> in(setup);
   in.demand.u_pref = VecN<double>::Constant(4, 0.1);
   in.det.failed.set(2);
-  const Allocation<double> out = by_default<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
+  const Allocation<double> out = alone<PseudoInverse<double>>(setup).step(in.demand, in.x, in.det);
   EXPECT_EQ(out.u[2], 0);
   EXPECT_LT(out.achieved_B.norm(), 1e-15) << "no torque was asked for";
 }

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "../random.hpp"
+#include "alone.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
 #include "gyrostat/flight/control_moment_gyros.hpp"
 #include "vehicles.hpp"
@@ -70,8 +71,8 @@ TEST(SingularityRobust, IsThePseudoInverseWhereNothingIsSingular) {
     Demand<double> demand;
     demand.tau_B = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     demand.u_pref = angles(random.uniform(-1, 1), 0.0, random.uniform(-1, 1), 0.1);
-    auto robust = by_default<SingularityRobust<double>>(setup);
-    auto plain = by_default<PseudoInverse<double>>(setup);
+    auto robust = alone<SingularityRobust<double>>(setup);
+    auto plain = alone<PseudoInverse<double>>(setup);
     const auto a = robust.step(demand, x, det), b = plain.step(demand, x, det);
     EXPECT_LT((a.u - b.u).norm(), 1e-4);
     EXPECT_EQ(a.status.bits(), 0);
@@ -94,7 +95,7 @@ TYPED_TEST(SingularityRobustOf, AtASingularityItStaysFiniteAndOnlySwingingWeight
   auto x = at_angles<S>(setup, angles<S>(-quarter, 0, quarter, 0));
   Demand<S> demand;
   demand.tau_B = {-2, 0, 0};
-  Robust sr(unchecked, setup, with<S>(setup, Robust::Method::sr)),
+  Alone<Robust> sr(unchecked, setup, with<S>(setup, Robust::Method::sr)),
       gsr(unchecked, setup, with<S>(setup, Robust::Method::gsr));
   const Allocation<S> stays = sr.step(demand, x, det);
   EXPECT_LT(stays.u.norm(), S(1e-3));
@@ -113,8 +114,8 @@ TYPED_TEST(SingularityRobustOf, AtASingularityItStaysFiniteAndOnlySwingingWeight
 TEST(SingularityRobust, APhaseOfLongAgoIsTheSameInFloat) {
   const auto setup = agile<double>();
   const auto setup_f = agile<float>();
-  SingularityRobust<double> a(unchecked, setup, SingularityRobust<double>::Params(setup));
-  SingularityRobust<float> b(unchecked, setup_f, SingularityRobust<float>::Params(setup_f));
+  Alone<SingularityRobust<double>> a(unchecked, setup, SingularityRobust<double>::Params(setup));
+  Alone<SingularityRobust<float>> b(unchecked, setup_f, SingularityRobust<float>::Params(setup_f));
   auto x = at_angles<double>(setup, angles(-1.4, 0.1, 1.4, -0.1));
   auto x_f = at_angles<float>(setup_f, angles(-1.4f, 0.1f, 1.4f, -0.1f));
   Demand<double> demand;
@@ -139,7 +140,7 @@ TEST(SingularityRobust, LockedGimbalsThatAreKnownTakeNoCommand) {
   Demand<double> demand;
   demand.tau_B = {1, 0.5, -0.3};
   demand.u_pref = angles(0.0, 1.0, 1.0, 0.0);
-  auto robust = by_default<SingularityRobust<double>>(setup);
+  auto robust = alone<SingularityRobust<double>>(setup);
   const auto out = robust.step(demand, x, det);
   EXPECT_EQ(out.u[1], 0);
   EXPECT_EQ(out.u[2], 0);

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "alone.hpp"
 #include "gyrostat/flight/detectors/threshold.hpp"
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
@@ -54,7 +55,7 @@ Estimate<double> estimate(std::initializer_list<double> e) {
 const Estimate<double> healthy = estimate({1, 1, 1, 1, 1, 1});
 
 /// Samples until the next declaration, at most 200.
-int samples_to_next(Detector& detector, const Estimate<double>& x, Detection<double>& det) {
+int samples_to_next(Alone<Detector>& detector, const Estimate<double>& x, Detection<double>& det) {
   const std::uint32_t before = det.event;
   for (int k = 1; k <= 200; ++k) {
     det = detector.step(x, all_push);
@@ -64,7 +65,7 @@ int samples_to_next(Detector& detector, const Estimate<double>& x, Detection<dou
 }
 
 TEST(Threshold, DeclaresEachActuatorOnceAndRemembersThemAll) {
-  Detector detector(unchecked, pairs(), quick());
+  Alone<Detector> detector(unchecked, pairs(), quick());
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(det.enabled.bits(), 0b011111) << "the spare is off";
   EXPECT_EQ(samples_to_next(detector, estimate({0.7, 1, 1, 1, 1, 1}), det), 2);
@@ -78,7 +79,7 @@ TEST(Threshold, DeclaresEachActuatorOnceAndRemembersThemAll) {
 }
 
 TEST(Threshold, GettingBetterIsAChangeToo) {
-  Detector detector(unchecked, pairs(), quick());
+  Alone<Detector> detector(unchecked, pairs(), quick());
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(samples_to_next(detector, estimate({0.5, 1, 1, 1, 1, 1}), det), 2);
   EXPECT_EQ(samples_to_next(detector, healthy, det), 5 + 2) << "after the hold-off";
@@ -87,7 +88,7 @@ TEST(Threshold, GettingBetterIsAChangeToo) {
 
 TEST(Threshold, OnlyAnEffectivenessBelowTheLimitCountsAsFailed) {
   for (const double e : {0.0599, 0.0601, 0.5}) {
-    Detector detector(unchecked, pairs(), quick());
+    Alone<Detector> detector(unchecked, pairs(), quick());
     Detection<double> det = detector.start(healthy);
     EXPECT_EQ(samples_to_next(detector, estimate({1, 1, 1, 1, e, 1}), det), 2);
     EXPECT_EQ(det.failed.bits(), e < 0.06 ? 0b010000 : 0) << e;
@@ -98,7 +99,7 @@ TEST(Threshold, OnlyAnEffectivenessBelowTheLimitCountsAsFailed) {
 TEST(Threshold, AnActuatorThatIsNotWatchedIsNeverDeclaredNorBlamedForATorque) {
   Detector::Params p = quick();
   p.unwatched.set(1);
-  Detector detector(unchecked, pairs(), p);
+  Alone<Detector> detector(unchecked, pairs(), p);
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(samples_to_next(detector, estimate({1, 0.1, 1, 1, 1, 1}), det), 0);
   Estimate<double> torque = healthy;
@@ -113,7 +114,7 @@ TEST(Threshold, AnActuatorThatIsNotWatchedIsNeverDeclaredNorBlamedForATorque) {
 TEST(Threshold, ALumpedTorqueIsMappedOnlyWhereThatIsAskedFor) {
   Detector::Params p = quick();
   p.use_torque = false;
-  Detector detector(unchecked, pairs(), p);
+  Alone<Detector> detector(unchecked, pairs(), p);
   Detection<double> det = detector.start(healthy);
   Estimate<double> x = healthy;
   x.d_B = {-0.15, 0, 0};
@@ -124,7 +125,7 @@ TEST(Threshold, HoldOffAndPersistenceAreCountedToTheSample) {
   Detector::Params p = quick();
   p.persistence = 0.29;  // 0.29 / 0.01 is below 29 in binary
   p.hold_off = 0.57;
-  Detector detector(unchecked, pairs(), p);
+  Alone<Detector> detector(unchecked, pairs(), p);
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(samples_to_next(detector, estimate({0.7, 1, 1, 1, 1, 1}), det), 29);
   EXPECT_EQ(samples_to_next(detector, estimate({0.4, 1, 1, 1, 1, 1}), det), 57 + 29);
@@ -134,7 +135,7 @@ TEST(Threshold, TheReferenceFollowsAnEstimateThatStillSettlesAndNoLonger) {
   for (const int late : {2, 3}) {  // the sample of the hold-off at which the estimate arrives
     Detector::Params p = quick();
     p.settle = 0.02;
-    Detector detector(unchecked, pairs(), p);
+    Alone<Detector> detector(unchecked, pairs(), p);
     Detection<double> det = detector.start(healthy);
     ASSERT_EQ(samples_to_next(detector, estimate({0.7, 1, 1, 1, 1, 1}), det), 2);
     for (int k = 1; k < late; ++k) det = detector.step(estimate({0.7, 1, 1, 1, 1, 1}), all_push);
@@ -146,7 +147,7 @@ TEST(Threshold, TheReferenceFollowsAnEstimateThatStillSettlesAndNoLonger) {
 TEST(Threshold, AGapOfOneSampleBeginsThePersistenceAnew) {
   Detector::Params p = quick();
   p.persistence = 0.03;
-  Detector detector(unchecked, pairs(), p);
+  Alone<Detector> detector(unchecked, pairs(), p);
   const Estimate<double> weak = estimate({1, 1, 1, 0.5, 1, 1});
   Detection<double> det = detector.start(healthy);
   for (int k = 0; k < 60; ++k) det = detector.step(k % 3 == 2 ? healthy : weak, all_push);
@@ -158,7 +159,7 @@ TEST(Threshold, TheProbeIsASineThatVisitsTheActuatorsInTurn) {
   Detector::Params p = quick();
   p.dither = 0.1;
   p.dither_period = 0.12;
-  Detector detector(unchecked, pairs(), p);
+  Alone<Detector> detector(unchecked, pairs(), p);
   Detection<double> det = detector.start(healthy);
   EXPECT_EQ(det.enabled, Mask::all(6)) << "a probe takes all of the redundancy";
   for (int restart = 0; restart < 2; ++restart) {

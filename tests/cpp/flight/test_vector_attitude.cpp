@@ -6,6 +6,7 @@
 
 #include <random>
 
+#include "alone.hpp"
 #include "gyrostat/flight/navigators/mekf.hpp"
 #include "vehicles.hpp"
 
@@ -110,7 +111,7 @@ struct Flight {
     p.field_noise = static_cast<S>(field_sigma * field);
     return p;
   }
-  Mekf<S> filter() const { return Mekf<S>(unchecked, setup, params()); }
+  Alone<Mekf<S>> filter() const { return Alone<Mekf<S>>(unchecked, setup, params()); }
 
   Measurement<S> next() {
     const auto rate = [](double t) -> V3 {
@@ -156,7 +157,7 @@ TEST(MekfOnDirections, ItsErrorsAreWhatItSaysTheyAre) {
     double first = 0, last = 0, all = 0;
     for (unsigned run = 0; run < runs; ++run) {
       Flight<double> flight(200 + run, latency);
-      Mekf<double> filter = flight.filter();
+      Alone<Mekf<double>> filter = flight.filter();
       for (int k = 0; k < length; ++k) {
         const Measurement<double> y = flight.next(), out = k == 0 ? filter.start(y) : filter.step(y);
         EXPECT_TRUE(out.attitude_valid);
@@ -183,7 +184,7 @@ TEST(MekfOnDirections, OneLookIsWorthWhatItSays) {
     Flight<double> flight(10000 + i);
     Mekf<double>::Params p = flight.params();
     p.attitude0 = 0.02;
-    Mekf<double> filter(unchecked, flight.setup, p);
+    Alone<Mekf<double>> filter(unchecked, flight.setup, p);
     Measurement<double> y = flight.next();
     y.attitude_valid = true;
     y.q_NB = flight.q * quat_exp<double>(0.02 * flight.random.normals());
@@ -201,7 +202,7 @@ TEST(MekfOnDirections, StartsWithTheFirstPairAndNotWithOneDirection) {
     Flight<double> flight(3);
     Mekf<double>::Params p = flight.params();
     p.acquisition = how;
-    Mekf<double> filter(unchecked, flight.setup, p);
+    Alone<Mekf<double>> filter(unchecked, flight.setup, p);
     flight.sees_sun = false;
     EXPECT_FALSE(filter.start(flight.next()).attitude_valid);
     EXPECT_EQ(filter.fix(), Fix::not_started);
@@ -218,7 +219,7 @@ TEST(MekfOnDirections, StartsWithTheFirstPairAndNotWithOneDirection) {
 
 TEST(MekfOnDirections, IsDeafToThemUnlessItIsTold) {
   Flight<double> flight(4);
-  Mekf<double> filter(unchecked, flight.setup, Mekf<double>::Params(flight.setup));
+  Alone<Mekf<double>> filter(unchecked, flight.setup, Mekf<double>::Params(flight.setup));
   EXPECT_FALSE(filter.start(flight.next()).attitude_valid);
   EXPECT_FALSE(filter.step(flight.next()).attitude_valid);
   EXPECT_EQ(filter.vectors(), 0);
@@ -226,7 +227,7 @@ TEST(MekfOnDirections, IsDeafToThemUnlessItIsTold) {
 
 TEST(MekfOnDirections, RejectsASunThatCannotBeAndFindsBackAfterAJump) {
   Flight<double> flight(6);
-  Mekf<double> filter = flight.filter();
+  Alone<Mekf<double>> filter = flight.filter();
   (void)filter.start(flight.next());
   while (flight.k < 200) (void)filter.step(flight.next());
   flight.sun_lies = true;
@@ -254,8 +255,8 @@ TEST(MekfOnDirections, RejectsASunThatCannotBeAndFindsBackAfterAJump) {
 TEST(MekfOnDirections, FloatFollowsDouble) {
   Flight<double> flight(17, 2);
   Flight<float> same(17, 2);
-  Mekf<double> filter = flight.filter();
-  Mekf<float> single = same.filter();
+  Alone<Mekf<double>> filter = flight.filter();
+  Alone<Mekf<float>> single = same.filter();
   for (int k = 0; k < 2000; ++k) {
     const Measurement<double> y = flight.next(), out = k == 0 ? filter.start(y) : filter.step(y);
     const Measurement<float> z = same.next(), in_float = k == 0 ? single.start(z) : single.step(z);

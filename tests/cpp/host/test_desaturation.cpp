@@ -27,8 +27,10 @@ struct Told {
   };
   Detection<double> known;
 
-  Detection<double> start(const Estimate<double>&) noexcept { return known; }
-  Detection<double> step(const Estimate<double>&, const Allocation<double>&) noexcept { return known; }
+  Detection<double> start(const Vehicle<double>&, const Estimate<double>&) noexcept { return known; }
+  Detection<double> step(const Vehicle<double>&, const Estimate<double>&, const Allocation<double>&) noexcept {
+    return known;
+  }
 };
 
 template <class Controller>

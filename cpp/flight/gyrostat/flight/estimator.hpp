@@ -13,23 +13,25 @@ template <Observer O, Detector D>
 class Estimator {
  public:
   using Scalar = typename O::Scalar;
-  static constexpr bool cannot_throw = noexcept(std::declval<O&>().step(std::declval<const Measurement<Scalar>&>(),
-                                                                        std::declval<const Allocation<Scalar>&>())) &&
-                                       noexcept(std::declval<D&>().step(std::declval<const Estimate<Scalar>&>(),
-                                                                        std::declval<const Allocation<Scalar>&>()));
+  static constexpr bool cannot_throw =
+      noexcept(std::declval<O&>().step(std::declval<const Vehicle<Scalar>&>(),
+                                       std::declval<const Measurement<Scalar>&>(),
+                                       std::declval<const Allocation<Scalar>&>())) &&
+      noexcept(std::declval<D&>().step(std::declval<const Vehicle<Scalar>&>(), std::declval<const Estimate<Scalar>&>(),
+                                       std::declval<const Allocation<Scalar>&>()));
 
   Estimator(const Setup<Scalar>& setup, O o, D d) : observer(std::move(o)), detector(std::move(d)), guard_(setup) {}
 
   void start(const Measurement<Scalar>& y) noexcept(cannot_throw) {
     actions_ = {};
-    x_ = observer.start(y);
+    x_ = observer.start(guard_.vehicle(), y);
     if (!guard_.possible(x_)) healthy_instead(y);
     x_.axes = y.axes;
     x_.field_B = y.field_B;
     x_.event = event_ = y.event;
     x_.momentum_valid = y.momentum_valid;
     measured_ = y.rate_valid && y.momentum_valid;
-    det_ = detector.start(x_);
+    det_ = detector.start(guard_.vehicle(), x_);
     if (!guard_.possible(det_)) det_ = Detection<Scalar>::none(guard_.vehicle());
   }
 
@@ -38,9 +40,9 @@ class Estimator {
     const bool measured = y.rate_valid && y.momentum_valid;
     const bool teaches = measured && measured_ && y.event == event_ && guard_.sane(last.u);
     if (!y.rate_step.isZero(Scalar(0))) shift_rate(observer, y.rate_step);
-    x_ = teaches ? observer.step(y, last) : skip_interval(observer, y, last);
+    x_ = teaches ? observer.step(guard_.vehicle(), y, last) : skip_interval(observer, guard_.vehicle(), y, last);
     if (!guard_.possible(x_)) {
-      x_ = observer.start(y);
+      x_ = observer.start(guard_.vehicle(), y);
       if (!guard_.possible(x_)) healthy_instead(y);
       restarted(actions_.observer);
     }
@@ -49,9 +51,9 @@ class Estimator {
     x_.event = event_ = y.event;
     x_.momentum_valid = y.momentum_valid;
     measured_ = measured;
-    det_ = detector.step(x_, last);
+    det_ = detector.step(guard_.vehicle(), x_, last);
     if (!guard_.possible(det_)) {
-      det_ = detector.start(x_);
+      det_ = detector.start(guard_.vehicle(), x_);
       if (!guard_.possible(det_)) det_ = Detection<Scalar>::none(guard_.vehicle());
       restarted(actions_.detector);
     }

@@ -13,7 +13,8 @@ template <Navigator N>
 class Navigation {
  public:
   using Scalar = typename N::Scalar;
-  static constexpr bool cannot_throw = noexcept(std::declval<N&>().step(std::declval<const Measurement<Scalar>&>()));
+  static constexpr bool cannot_throw = noexcept(
+      std::declval<N&>().step(std::declval<const Vehicle<Scalar>&>(), std::declval<const Measurement<Scalar>&>()));
 
   explicit Navigation(N n) : navigator(std::move(n)) {}
 
@@ -28,10 +29,10 @@ class Navigation {
     sensed_.field_valid =
         !again && in.field_valid && guard.field_possible(in.field_B) && guard.field_possible(in.field_N);
     sensed_.sun_valid = !again && in.sun_valid && guard.sun_possible(in.sun_B) && guard.sun_possible(in.sun_N);
-    y_ = started_ ? navigator.step(sensed_) : navigator.start(sensed_);
+    y_ = started_ ? navigator.step(guard.vehicle(), sensed_) : navigator.start(guard.vehicle(), sensed_);
     restarted_ = !guard.possible(y_);
     if (restarted_) {
-      y_ = navigator.start(sensed_);
+      y_ = navigator.start(guard.vehicle(), sensed_);
       if (!guard.possible(y_)) y_ = sensed_;
     }
     started_ = true;

@@ -38,10 +38,12 @@ class FlightStack {
   using Scalar = typename O::Scalar;
   static constexpr bool cannot_throw =
       Estimator<O, D>::cannot_throw && Navigation<N>::cannot_throw &&
-      noexcept(std::declval<C&>().step(
-          std::declval<const Estimate<Scalar>&>(), std::declval<const Detection<Scalar>&>(),
-          std::declval<const Reference<Scalar>&>(), std::declval<const Allocation<Scalar>&>())) &&
-      noexcept(std::declval<A&>().step(std::declval<const Demand<Scalar>&>(), std::declval<const Estimate<Scalar>&>(),
+      noexcept(std::declval<C&>().step(std::declval<const Vehicle<Scalar>&>(), std::declval<const Estimate<Scalar>&>(),
+                                       std::declval<const Detection<Scalar>&>(),
+                                       std::declval<const Reference<Scalar>&>(),
+                                       std::declval<const Allocation<Scalar>&>())) &&
+      noexcept(std::declval<A&>().step(std::declval<const Vehicle<Scalar>&>(), std::declval<const Demand<Scalar>&>(),
+                                       std::declval<const Estimate<Scalar>&>(),
                                        std::declval<const Detection<Scalar>&>()));
 
   /// Parameters of the components, with their defaults for the vehicle.
@@ -111,11 +113,11 @@ class FlightStack {
     }
     if (started_) {
       estimator.step(inputs_.measurement(), last_);
-      demand_ = controller.step(estimator.estimate(), estimator.detection(), inputs_.reference(), last_);
+      demand_ = controller.step(vehicle(), estimator.estimate(), estimator.detection(), inputs_.reference(), last_);
     } else {
-      allocator.reset();
+      allocator.reset(vehicle());
       estimator.start(inputs_.measurement());
-      demand_ = controller.start(estimator.estimate(), estimator.detection(), inputs_.reference());
+      demand_ = controller.start(vehicle(), estimator.estimate(), estimator.detection(), inputs_.reference());
       started_ = true;
     }
     const Estimate<Scalar>& x = estimator.estimate();
@@ -124,16 +126,16 @@ class FlightStack {
     actions_.detector = estimator.actions().detector;
     bool hold = x.status.has(Flag::component_reset);
     if (!guard().possible(demand_)) {
-      demand_ = controller.start(x, det, inputs_.reference());
+      demand_ = controller.start(vehicle(), x, det, inputs_.reference());
       if (!guard().possible(demand_)) demand_ = {};
       hold = actions_.controller = true;
     }
     if (demand_.u_pref.size() == 0) demand_.u_pref.setZero(vehicle().actuators());
     if constexpr (!std::same_as<M, NoManagement>) management_(vehicle(), x, det, demand_);
     if (det.u_probe.size() != 0) demand_.u_pref += det.u_probe;
-    Allocation<Scalar> next = allocator.step(demand_, x, det);
+    Allocation<Scalar> next = allocator.step(vehicle(), demand_, x, det);
     if (!guard().possible(next)) {
-      allocator.reset();
+      allocator.reset(vehicle());
       hold = actions_.allocator = true;
     }
     if (hold) {

@@ -14,39 +14,42 @@ namespace gyrostat::host {
 
 class NavigatorBase : public Reporting {
  public:
-  virtual Measurement<double> start(const Measurement<double>& y) = 0;
-  virtual Measurement<double> step(const Measurement<double>& y) = 0;
+  virtual Measurement<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) = 0;
+  virtual Measurement<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y) = 0;
   /// True: it changes nothing, and need not be called.
   virtual bool passes_on() const { return false; }
 };
 
 class ObserverBase : public Reporting {
  public:
-  virtual Estimate<double> start(const Measurement<double>& y) = 0;
-  virtual Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) = 0;
-  virtual Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) = 0;
+  virtual Estimate<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) = 0;
+  virtual Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                                const Allocation<double>& last) = 0;
+  virtual Estimate<double> skip(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                                const Allocation<double>& last) = 0;
   virtual void shift_rate(const Vec3<double>& step) = 0;
 };
 
 class DetectorBase : public Reporting {
  public:
-  virtual Detection<double> start(const Estimate<double>& x) = 0;
-  virtual Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) = 0;
+  virtual Detection<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x) = 0;
+  virtual Detection<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x,
+                                 const Allocation<double>& last) = 0;
 };
 
 class ControllerBase : public Reporting {
  public:
-  virtual Demand<double> start(const Estimate<double>& x, const Detection<double>& det,
+  virtual Demand<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
                                const Reference<double>& ref) = 0;
-  virtual Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                              const Allocation<double>& last) = 0;
+  virtual Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                              const Reference<double>& ref, const Allocation<double>& last) = 0;
 };
 
 class AllocatorBase : public Reporting {
  public:
-  virtual void reset() = 0;
-  virtual Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x,
-                                  const Detection<double>& det) = 0;
+  virtual void reset(const Vehicle<double>& vehicle) = 0;
+  virtual Allocation<double> step(const Vehicle<double>& vehicle, const Demand<double>& demand,
+                                  const Estimate<double>& x, const Detection<double>& det) = 0;
 };
 
 namespace detail {
@@ -67,8 +70,12 @@ template <Navigator T>
 class NavigatorModel final : public Model<T, NavigatorBase> {
  public:
   using Model<T, NavigatorBase>::Model;
-  Measurement<double> start(const Measurement<double>& y) final { return this->component_.start(y); }
-  Measurement<double> step(const Measurement<double>& y) final { return this->component_.step(y); }
+  Measurement<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) final {
+    return this->component_.start(vehicle, y);
+  }
+  Measurement<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y) final {
+    return this->component_.step(vehicle, y);
+  }
   bool passes_on() const final { return std::same_as<T, NoNavigator<double>>; }
 };
 
@@ -76,12 +83,16 @@ template <Observer T>
 class ObserverModel final : public Model<T, ObserverBase> {
  public:
   using Model<T, ObserverBase>::Model;
-  Estimate<double> start(const Measurement<double>& y) final { return this->component_.start(y); }
-  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) final {
-    return this->component_.step(y, last);
+  Estimate<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) final {
+    return this->component_.start(vehicle, y);
   }
-  Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) final {
-    return skip_interval(this->component_, y, last);
+  Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                        const Allocation<double>& last) final {
+    return this->component_.step(vehicle, y, last);
+  }
+  Estimate<double> skip(const Vehicle<double>& vehicle, const Measurement<double>& y,
+                        const Allocation<double>& last) final {
+    return skip_interval(this->component_, vehicle, y, last);
   }
   void shift_rate(const Vec3<double>& step) final { gyrostat::shift_rate(this->component_, step); }
 };
@@ -90,9 +101,12 @@ template <Detector T>
 class DetectorModel final : public Model<T, DetectorBase> {
  public:
   using Model<T, DetectorBase>::Model;
-  Detection<double> start(const Estimate<double>& x) final { return this->component_.start(x); }
-  Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) final {
-    return this->component_.step(x, last);
+  Detection<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x) final {
+    return this->component_.start(vehicle, x);
+  }
+  Detection<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x,
+                         const Allocation<double>& last) final {
+    return this->component_.step(vehicle, x, last);
   }
 };
 
@@ -100,12 +114,13 @@ template <Controller T>
 class ControllerModel final : public Model<T, ControllerBase> {
  public:
   using Model<T, ControllerBase>::Model;
-  Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) final {
-    return this->component_.start(x, det, ref);
+  Demand<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                       const Reference<double>& ref) final {
+    return this->component_.start(vehicle, x, det, ref);
   }
-  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                      const Allocation<double>& last) final {
-    return this->component_.step(x, det, ref, last);
+  Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                      const Reference<double>& ref, const Allocation<double>& last) final {
+    return this->component_.step(vehicle, x, det, ref, last);
   }
 };
 
@@ -113,9 +128,10 @@ template <Allocator T>
 class AllocatorModel final : public Model<T, AllocatorBase> {
  public:
   using Model<T, AllocatorBase>::Model;
-  void reset() final { this->component_.reset(); }
-  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x, const Detection<double>& det) final {
-    return this->component_.step(demand, x, det);
+  void reset(const Vehicle<double>& vehicle) final { this->component_.reset(vehicle); }
+  Allocation<double> step(const Vehicle<double>& vehicle, const Demand<double>& demand, const Estimate<double>& x,
+                          const Detection<double>& det) final {
+    return this->component_.step(vehicle, demand, x, det);
   }
 };
 
@@ -137,8 +153,12 @@ class AnyNavigator : public Any<NavigatorBase> {
  public:
   explicit AnyNavigator(std::unique_ptr<NavigatorBase> model)
       : Any(std::move(model)), passes_on_(model_->passes_on()) {}
-  Measurement<double> start(const Measurement<double>& y) { return model_->start(y); }
-  Measurement<double> step(const Measurement<double>& y) { return model_->step(y); }
+  Measurement<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) {
+    return model_->start(vehicle, y);
+  }
+  Measurement<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y) {
+    return model_->step(vehicle, y);
+  }
   bool passes_on() const noexcept { return passes_on_; }
 
  private:
@@ -148,37 +168,49 @@ class AnyNavigator : public Any<NavigatorBase> {
 class AnyObserver : public Any<ObserverBase> {
  public:
   using Any::Any;
-  Estimate<double> start(const Measurement<double>& y) { return model_->start(y); }
-  Estimate<double> step(const Measurement<double>& y, const Allocation<double>& last) { return model_->step(y, last); }
-  Estimate<double> skip(const Measurement<double>& y, const Allocation<double>& last) { return model_->skip(y, last); }
+  Estimate<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) {
+    return model_->start(vehicle, y);
+  }
+  Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y, const Allocation<double>& last) {
+    return model_->step(vehicle, y, last);
+  }
+  Estimate<double> skip(const Vehicle<double>& vehicle, const Measurement<double>& y, const Allocation<double>& last) {
+    return model_->skip(vehicle, y, last);
+  }
   void shift_rate(const Vec3<double>& step) { model_->shift_rate(step); }
 };
 
 class AnyDetector : public Any<DetectorBase> {
  public:
   using Any::Any;
-  Detection<double> start(const Estimate<double>& x) { return model_->start(x); }
-  Detection<double> step(const Estimate<double>& x, const Allocation<double>& last) { return model_->step(x, last); }
+  Detection<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x) {
+    return model_->start(vehicle, x);
+  }
+  Detection<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Allocation<double>& last) {
+    return model_->step(vehicle, x, last);
+  }
 };
 
 class AnyController : public Any<ControllerBase> {
  public:
   using Any::Any;
-  Demand<double> start(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref) {
-    return model_->start(x, det, ref);
+  Demand<double> start(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                       const Reference<double>& ref) {
+    return model_->start(vehicle, x, det, ref);
   }
-  Demand<double> step(const Estimate<double>& x, const Detection<double>& det, const Reference<double>& ref,
-                      const Allocation<double>& last) {
-    return model_->step(x, det, ref, last);
+  Demand<double> step(const Vehicle<double>& vehicle, const Estimate<double>& x, const Detection<double>& det,
+                      const Reference<double>& ref, const Allocation<double>& last) {
+    return model_->step(vehicle, x, det, ref, last);
   }
 };
 
 class AnyAllocator : public Any<AllocatorBase> {
  public:
   using Any::Any;
-  void reset() { model_->reset(); }
-  Allocation<double> step(const Demand<double>& demand, const Estimate<double>& x, const Detection<double>& det) {
-    return model_->step(demand, x, det);
+  void reset(const Vehicle<double>& vehicle) { model_->reset(vehicle); }
+  Allocation<double> step(const Vehicle<double>& vehicle, const Demand<double>& demand, const Estimate<double>& x,
+                          const Detection<double>& det) {
+    return model_->step(vehicle, demand, x, det);
   }
 };
 

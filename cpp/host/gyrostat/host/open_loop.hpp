@@ -33,32 +33,31 @@ class OpenLoopWaveforms {
                               static_cast<S>(p.command.size()), static_cast<S>(n), "=");
   }
 
-  OpenLoopWaveforms(Unchecked, const Setup<S>& setup, const Params& params)
-      : D_B_(setup.vehicle.D_B), dt_(setup.dt), command_(params.command) {
+  OpenLoopWaveforms(Unchecked, const Setup<S>& setup, const Params& params) : dt_(setup.dt), command_(params.command) {
     demand_.u_pref = VecN<S>::Zero(setup.vehicle.actuators());
   }
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>&) noexcept {
-    return sampled(x.tick);
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>&) noexcept {
+    return sampled(vehicle, x.tick);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>&,
-                               const Allocation<S>&) noexcept {
-    return sampled(x.tick);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>&, const Allocation<S>&) noexcept {
+    return sampled(vehicle, x.tick);
   }
 
   void telemetry(auto&&) const {}
 
  private:
   /// The value just after the sample: a switch on a sample shows at once.
-  Demand<S> sampled(Tick tick) noexcept {
+  Demand<S> sampled(const Vehicle<S>& vehicle, Tick tick) noexcept {
     const double t = static_cast<double>(tick) * dt_;
     for (std::size_t i = 0; i < command_.size(); ++i)
       demand_.u_pref[static_cast<Eigen::Index>(i)] = static_cast<S>(command_[i](t, t + 0.5 * dt_));
-    demand_.tau_B = torque<S>(D_B_, demand_.u_pref);
+    demand_.tau_B = torque<S>(vehicle.D_B, demand_.u_pref);
     return demand_;
   }
 
-  Mat3N<S> D_B_;
   double dt_;
   std::vector<truth::Waveform> command_;
   Demand<S> demand_;

@@ -77,14 +77,14 @@ class OptimalAllocators : public testing::Test {
     setup.vehicle.D_B = D / S(2);
   }
   template <class A>
-  static A make(const gyrostat::Setup<S>& s, auto&& change) {
+  static Alone<A> make(const gyrostat::Setup<S>& s, auto&& change) {
     typename A::Params params(s);
     change(params);
     EXPECT_TRUE(A::check(s, params).ok());
-    return A(unchecked, s, params);
+    return Alone<A>(unchecked, s, params);
   }
   template <class A>
-  static A make(const gyrostat::Setup<S>& s) {
+  static Alone<A> make(const gyrostat::Setup<S>& s) {
     return make<A>(s, [](auto&) {});
   }
   static constexpr bool single = sizeof(S) < 8;

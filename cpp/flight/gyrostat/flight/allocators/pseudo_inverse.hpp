@@ -54,31 +54,29 @@ class PseudoInverse {
   }
 
   PseudoInverse(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        params_(params),
-        du_max_(setup.vehicle.u_rate * setup.dt),
-        geometry_(params.e_min, params.rank_tolerance) {
-    reset();
+      : params_(params), du_max_(setup.vehicle.u_rate * setup.dt), geometry_(params.e_min, params.rank_tolerance) {
+    reset(setup.vehicle);
   }
 
   /// The previous command is zero again (or the limit nearest to it).
-  void reset() noexcept {
-    const int n = vehicle_.actuators();
-    u_ = clip<S>(VecN<S>::Zero(n), vehicle_.u_lo, vehicle_.u_up);
+  void reset(const Vehicle<S>& vehicle) noexcept {
+    const int n = vehicle.actuators();
+    u_ = clip<S>(VecN<S>::Zero(n), vehicle.u_lo, vehicle.u_up);
     geometry_.reset();
   }
 
-  [[nodiscard]] Allocation<S> step(const Demand<S>& demand, const Estimate<S>& x, const Detection<S>& det) noexcept {
-    update_inverse(x, det);
+  [[nodiscard]] Allocation<S> step(const Vehicle<S>& vehicle, const Demand<S>& demand, const Estimate<S>& x,
+                                   const Detection<S>& det) noexcept {
+    update_inverse(x.axes.of(vehicle.D_B), x, det);
     const VecN<S> wish = least_norm(demand);
 
     Allocation<S> out;
     // Inside the box, and as near to the previous command as the rate limit asks.
-    const VecN<S> lo = vehicle_.u_lo.cwiseMax(u_ - du_max_), up = vehicle_.u_up.cwiseMin(u_ + du_max_);
+    const VecN<S> lo = vehicle.u_lo.cwiseMax(u_ - du_max_), up = vehicle.u_up.cwiseMin(u_ + du_max_);
     out.u = clip<S>(wish, lo, up);
     out.saturated = saturated<S>(out.u, lo, up);
     out.demand_B = demand.tau_B;
-    out.achieved_B = torque<S>(x.axes.of(vehicle_.D_B), x.effectiveness.cwiseProduct(out.u));
+    out.achieved_B = torque<S>(x.axes.of(vehicle.D_B), x.effectiveness.cwiseProduct(out.u));
     if (geometry_.rank() < 3) out.status.set(Flag::rank_lost);
     if (not_met(out)) out.status.set(Flag::demand_not_met);
     u_ = out.u;
@@ -89,11 +87,11 @@ class PseudoInverse {
 
  private:
   /// A+ changes only with the masks and, where it is used, the effectiveness.
-  void update_inverse(const Estimate<S>& x, const Detection<S>& det) noexcept {
-    const int n = vehicle_.actuators();
+  void update_inverse(const Mat3N<S>& D_B, const Estimate<S>& x, const Detection<S>& det) noexcept {
+    const Eigen::Index n = D_B.cols();
     usable_ = det.enabled.without(det.failed);
     const VecN<S> e = params_.use_effectiveness ? believed(x) : VecN<S>(VecN<S>::Ones(n));
-    if (!geometry_.update(x.axes.of(vehicle_.D_B), usable_, e, x.axes.revision)) return;
+    if (!geometry_.update(D_B, usable_, e, x.axes.revision)) return;
     A_plus_transposed_.resize(3, n);
     for (int i = 0; i < n; ++i) A_plus_transposed_.col(i) = geometry_.inverse() * geometry_.A().col(i);
   }
@@ -109,10 +107,9 @@ class PseudoInverse {
   }
 
   VecN<S> least_norm(const Demand<S>& demand) const noexcept {
-    const Eigen::Index n = vehicle_.actuators();
     if (demand.u_pref.size() == 0) return project<S>(A_plus_transposed_, demand.tau_B);
-    VecN<S> preferred(n);
-    for (int i = 0; i < n; ++i) preferred[i] = usable_.test(i) ? demand.u_pref[i] : S(0);
+    VecN<S> preferred(u_.size());
+    for (int i = 0; i < preferred.size(); ++i) preferred[i] = usable_.test(i) ? demand.u_pref[i] : S(0);
     const Vec3<S> missing_B = demand.tau_B - torque<S>(geometry_.A(), preferred);
     return preferred + project<S>(A_plus_transposed_, missing_B);
   }
@@ -123,7 +120,6 @@ class PseudoInverse {
     return (a.achieved_B - a.demand_B).norm() > rounding * (a.demand_B.norm() + a.u.norm());
   }
 
-  Vehicle<S> vehicle_;
   Params params_;
   VecN<S> du_max_;  ///< N m a sample
   ServedGeometry<S> geometry_;

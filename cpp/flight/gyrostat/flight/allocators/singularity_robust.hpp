@@ -56,24 +56,24 @@ class SingularityRobust {
   }
 
   SingularityRobust(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        params_(params),
+      : params_(params),
         du_max_(setup.vehicle.u_rate * setup.dt),
         phase_step_(static_cast<double>(params.swing_rate) * static_cast<double>(setup.dt)) {
-    reset();
+    reset(setup.vehicle);
   }
 
   /// The previous command is zero again (or the limit nearest to it).
-  void reset() noexcept {
-    u_ = clip<S>(VecN<S>::Zero(vehicle_.actuators()), vehicle_.u_lo, vehicle_.u_up);
+  void reset(const Vehicle<S>& vehicle) noexcept {
+    u_ = clip<S>(VecN<S>::Zero(vehicle.actuators()), vehicle.u_lo, vehicle.u_up);
     in_use_ = {};
   }
 
-  [[nodiscard]] Allocation<S> step(const Demand<S>& demand, const Estimate<S>& x, const Detection<S>& det) noexcept {
-    const Mat3N<S>& D_B = x.axes.of(vehicle_.D_B);
+  [[nodiscard]] Allocation<S> step(const Vehicle<S>& vehicle, const Demand<S>& demand, const Estimate<S>& x,
+                                   const Detection<S>& det) noexcept {
+    const Mat3N<S>& D_B = x.axes.of(vehicle.D_B);
     Allocation<S> out;
     const VecN<S> wish = steered(demand, D_B, x, det.enabled.without(det.failed));
-    const VecN<S> lo = vehicle_.u_lo.cwiseMax(u_ - du_max_), up = vehicle_.u_up.cwiseMin(u_ + du_max_);
+    const VecN<S> lo = vehicle.u_lo.cwiseMax(u_ - du_max_), up = vehicle.u_up.cwiseMin(u_ + du_max_);
     out.u = clip<S>(wish, lo, up);
     out.saturated = saturated<S>(out.u, lo, up);
     out.demand_B = demand.tau_B;
@@ -93,7 +93,7 @@ class SingularityRobust {
 
  private:
   VecN<S> steered(const Demand<S>& demand, const Mat3N<S>& D_B, const Estimate<S>& x, Mask usable) noexcept {
-    const Eigen::Index n = vehicle_.actuators();
+    const Eigen::Index n = D_B.cols();
     Mat3N<S> A = D_B;
     Mat3<S> AAt = Mat3<S>::Zero();
     VecN<S> preferred = demand.u_pref.size() == n ? demand.u_pref : VecN<S>(VecN<S>::Zero(n));
@@ -128,7 +128,6 @@ class SingularityRobust {
     return E;
   }
 
-  Vehicle<S> vehicle_;
   Params params_;
   VecN<S> du_max_;     ///< N m a sample
   double phase_step_;  ///< rad a sample

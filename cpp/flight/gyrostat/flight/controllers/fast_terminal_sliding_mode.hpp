@@ -55,19 +55,20 @@ class FastTerminalSlidingMode {
                               S(2) * J, "<", Status<S>::Code::unstable);
   }
 
-  FastTerminalSlidingMode(Unchecked, const Setup<S>& setup, const Params& p) noexcept
-      : vehicle_(setup.vehicle), gains_{{p.b1, p.b2, p.r, p.core}, {p.b3, p.b4, p.r, p.s_core}} {}
+  FastTerminalSlidingMode(Unchecked, const Setup<S>&, const Params& p) noexcept
+      : gains_{{p.b1, p.b2, p.r, p.core}, {p.b3, p.b4, p.r, p.s_core}} {}
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& ref) noexcept {
     side_ = short_side(x, ref);
     event_ = ref.event;
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
     if (ref.event != event_) side_ = short_side(x, ref);
     event_ = ref.event;
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&& log) const {
@@ -76,9 +77,9 @@ class FastTerminalSlidingMode {
   }
 
  private:
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
     const SlidingError<S> error = sliding_error(x, ref, side_);
-    const SlidingLaw<S> law = sliding_law(vehicle_, x, ref, error, gains_, error.qv, error.qvdot);
+    const SlidingLaw<S> law = sliding_law(vehicle, x, ref, error, gains_, error.qv, error.qvdot);
     s_ = law.s;
     qv_ = error.qv;
     Demand<S> out;
@@ -86,7 +87,6 @@ class FastTerminalSlidingMode {
     return out;
   }
 
-  Vehicle<S> vehicle_;
   SlidingGains<S> gains_;
   S side_ = S(1);
   std::uint32_t event_ = 0;

@@ -25,29 +25,29 @@ class FiniteTime {
     return needs_body_coordinates(setup) && NominalLaw<S>::check(setup, p);
   }
 
-  FiniteTime(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle), nominal_(params), set_(params.shadow_switch) {}
+  FiniteTime(Unchecked, const Setup<S>&, const Params& params) noexcept
+      : nominal_(params), set_(params.shadow_switch) {}
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& ref) noexcept {
     set_.start();
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
-    return demand(x, ref);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&& log) const { log("u_nominal", u_nominal_); }
 
  private:
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    u_nominal_ = nominal_(track(vehicle_, x, ref, set_));
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    u_nominal_ = nominal_(track(vehicle, x, ref, set_));
     Demand<S> out;
     out.tau_B = u_nominal_ - x.d_B;
     return out;
   }
 
-  Vehicle<S> vehicle_;
   NominalLaw<S> nominal_;
   MrpSwitching<S> set_;
   Vec3<S> u_nominal_ = Vec3<S>::Zero();  ///< N m

@@ -95,8 +95,7 @@ class IntegralSlidingMode {
   }
 
   IntegralSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        dt_(setup.dt),
+      : dt_(setup.dt),
         params_(params),
         J_inv_(setup.vehicle.J_B.inverse()),
         nominal_(params.nominal),
@@ -104,20 +103,21 @@ class IntegralSlidingMode {
         gain_(params.gain_0) {}
 
   /// First sample: no interval has passed, s = 0.
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& ref) noexcept {
     set_.start();
     momentum_error_.setZero();
     s_.setZero();
     gain_ = params_.gain_0;
     event_ = x.event;
-    remember(x);
-    return demand(x, ref);
+    remember(vehicle, x);
+    return demand(vehicle, x, ref);
   }
 
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
-    integrate(x);
-    return demand(x, ref);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
+    integrate(vehicle, x);
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&& log) const {
@@ -130,26 +130,26 @@ class IntegralSlidingMode {
   /// J P^-1 s = J (w - w(0)) - integral of the nominal torque, one interval at a time: the gyroscopic torque by the
   /// trapezoid of its ends, the nominal torque by the rectangle, which is exact because it was held. Keeping its growth
   /// and not both terms saves the digits of s. The clamp moves the integral, so that saturation does not wind it up.
-  void integrate(const Estimate<S>& x) noexcept {
+  void integrate(const Vehicle<S>& vehicle, const Estimate<S>& x) noexcept {
     const Vec3<S> omega = omega_, gyro_B = gyro_B_;
-    remember(x);
+    remember(vehicle, x);
     if (x.event != event_) {  // a jump of the state is nothing that a torque has done
       event_ = x.event;
       return;
     }
-    momentum_error_ += vehicle_.J_B * (omega_ - omega) + dt_ * (S(0.5) * (gyro_B + gyro_B_) - u_nominal_);
+    momentum_error_ += vehicle.J_B * (omega_ - omega) + dt_ * (S(0.5) * (gyro_B + gyro_B_) - u_nominal_);
     momentum_error_ = momentum_error_.cwiseMax(-params_.s_lim).cwiseMin(params_.s_lim);
     s_ = params_.surface == Surface::inertia ? momentum_error_ : Vec3<S>(J_inv_ * momentum_error_);
   }
 
-  void remember(const Estimate<S>& x) noexcept {
+  void remember(const Vehicle<S>& vehicle, const Estimate<S>& x) noexcept {
     omega_ = x.omega_BN_B;
-    gyro_B_ = omega_.cross(vehicle_.J_B * omega_ + x.axes.momentum_B(vehicle_.D_B, x.h_w));
+    gyro_B_ = omega_.cross(vehicle.J_B * omega_ + x.axes.momentum_B(vehicle.D_B, x.h_w));
   }
 
   /// The gain moves after it has been used.
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    u_nominal_ = nominal_(track(vehicle_, x, ref, set_));
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    u_nominal_ = nominal_(track(vehicle, x, ref, set_));
     gain_used_ = gain_;
     Demand<S> out;
     out.tau_B = u_nominal_ - x.d_B - gain_.cwiseProduct(layer(s_, params_.width())) - params_.K3.cwiseProduct(s_) -
@@ -167,7 +167,6 @@ class IntegralSlidingMode {
   /// s^kappa with 0^0 = 1; the ends of the range of kappa are the usual case.
   static S power(S s, S kappa) noexcept { return kappa == S(0) ? S(1) : (kappa == S(1) ? s : std::pow(s, kappa)); }
 
-  Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   Mat3<S> J_inv_;

@@ -67,18 +67,19 @@ class MixedLearningSlidingMode {
            learning_loop_is_stable(setup, Mat3<S>(p.k_lin * Mat3<S>::Identity()), p.slope(), p.learning());
   }
 
-  MixedLearningSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : MixedLearningSlidingMode(setup, params, {params.delta}, {}) {}
+  MixedLearningSlidingMode(Unchecked, const Setup<S>&, const Params& params) noexcept
+      : MixedLearningSlidingMode(params, {params.delta}, {}) {}
 
   /// First sample: nothing learnt before.
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& ref) noexcept {
     learning_.reset();
     event_ = x.event;
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
-    return demand(x, ref);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&& log) const {
@@ -93,17 +94,12 @@ class MixedLearningSlidingMode {
     S power = S(1);
   };
 
-  MixedLearningSlidingMode(const Setup<S>& setup, const Params& params, const Surface& surface,
-                           const PowerReaching& reaching) noexcept
-      : vehicle_(setup.vehicle),
-        params_(params),
-        surface_(surface),
-        power_reaching_(reaching),
-        learning_(params.learning()) {}
+  MixedLearningSlidingMode(const Params& params, const Surface& surface, const PowerReaching& reaching) noexcept
+      : params_(params), surface_(surface), power_reaching_(reaching), learning_(params.learning()) {}
 
  private:
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    const typename RateAttitudeSurface<S>::Value at = surface_(vehicle_, x, ref);
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const typename RateAttitudeSurface<S>::Value at = surface_(vehicle, x, ref);
     s_ = at.s;
     if (x.event == event_) learning_.update(s_);  // a jump of the state teaches nothing
     event_ = x.event;
@@ -114,7 +110,6 @@ class MixedLearningSlidingMode {
     return out;
   }
 
-  Vehicle<S> vehicle_;
   Params params_;
   RateAttitudeSurface<S> surface_;
   PowerReaching power_reaching_;

@@ -55,8 +55,8 @@ class MixedLearningTerminalSlidingMode : public MixedLearningSlidingMode<S> {
                                                          rate * setup.dt, S(1), "<", Status<S>::Code::unstable);
   }
 
-  MixedLearningTerminalSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : Linear(setup, params, params.surface(), {params.k_power, params.power_s}) {}
+  MixedLearningTerminalSlidingMode(Unchecked, const Setup<S>&, const Params& params) noexcept
+      : Linear(params, params.surface(), {params.k_power, params.power_s}) {}
 };
 
 }  // namespace gyrostat

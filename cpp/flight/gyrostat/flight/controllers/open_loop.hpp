@@ -29,27 +29,25 @@ class OpenLoop {
                               static_cast<S>(n), "=");
   }
 
-  OpenLoop(Unchecked, const Setup<S>& setup, const Params& params) noexcept : D_B_(setup.vehicle.D_B) {
-    demand_.u_pref = params.command;
-  }
+  OpenLoop(Unchecked, const Setup<S>&, const Params& params) noexcept { demand_.u_pref = params.command; }
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>&) noexcept {
-    return demand(x);
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>&) noexcept {
+    return demand(vehicle, x);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>&,
-                               const Allocation<S>&) noexcept {
-    return demand(x);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>&, const Allocation<S>&) noexcept {
+    return demand(vehicle, x);
   }
 
   void telemetry(auto&&) const {}
 
  private:
-  const Demand<S>& demand(const Estimate<S>& x) noexcept {
-    demand_.tau_B = torque<S>(x.axes.of(D_B_), demand_.u_pref);
+  const Demand<S>& demand(const Vehicle<S>& vehicle, const Estimate<S>& x) noexcept {
+    demand_.tau_B = torque<S>(x.axes.of(vehicle.D_B), demand_.u_pref);
     return demand_;
   }
 
-  Mat3N<S> D_B_;
   Demand<S> demand_;
 };
 

@@ -81,34 +81,35 @@ class PreassignedTimeSlidingMode {
   }
 
   PreassignedTimeSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), torque_(usable_torque(setup.vehicle)) {}
+      : dt_(setup.dt), params_(params), torque_(usable_torque(setup.vehicle)) {}
 
   /// First sample: the path starts where the error is.
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& given) noexcept {
-    const Reference<S> ref = in_angles(given);
-    const Error now = error(x, ref);
-    plan(now, free_acceleration(now, x, ref), params_.T);
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& given) noexcept {
+    const Reference<S> ref = in_angles(vehicle, given);
+    const Error now = error(vehicle, x, ref);
+    plan(now, free_acceleration(vehicle, now, x, ref), params_.T);
     event_ = event(x, ref);
     tumbling_ = false;
-    return demand(now, x, ref);
+    return demand(vehicle, now, x, ref);
   }
 
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& given,
-                               const Allocation<S>& last) noexcept {
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& given, const Allocation<S>& last) noexcept {
     ++ticks_;
-    const Reference<S> ref = in_angles(given);
-    const Error now = error(x, ref);
-    if (tumbles(now, x, last)) {
+    const Reference<S> ref = in_angles(vehicle, given);
+    const Error now = error(vehicle, x, ref);
+    if (tumbles(vehicle, now, x, last)) {
       event_ = ~event(x, ref);  // plan when it is over
-      return damping(now, x);
+      return damping(vehicle, now, x);
     }
     if (event(x, ref) != event_) {  // a new target, or the state is elsewhere: all of T again
       event_ = event(x, ref);
-      plan(now, free_acceleration(now, x, ref), params_.T);
+      plan(now, free_acceleration(vehicle, now, x, ref), params_.T);
     } else if (params_.stretch > S(0) && falls_short(last)) {  // after T too: a fault may come at any time
-      plan(now, achieved_acceleration(now, x, ref, last), left() + params_.stretch * dt_);
+      plan(now, achieved_acceleration(vehicle, now, x, ref, last), left() + params_.stretch * dt_);
     }
-    return demand(now, x, ref);
+    return demand(vehicle, now, x, ref);
   }
 
   void telemetry(auto&& log) const {
@@ -137,32 +138,34 @@ class PreassignedTimeSlidingMode {
 
   /// Once the command falls short, or is beyond sense where it has no limit: stopping takes more than a radian, or the gyroscopic
   /// torque is beyond the actuators. Until both are down to a tenth.
-  bool tumbles(const Error& now, const Estimate<S>& x, const Allocation<S>& last) noexcept {
-    if (!on_body() || !(params_.stretch > S(0))) return false;
-    const S stopping = x.omega_BN_B.squaredNorm() * largest_inertia(vehicle_.J_B) / (S(2) * torque_);
-    const S excess = std::max(stopping, known(now, x).norm() / torque_);
+  bool tumbles(const Vehicle<S>& vehicle, const Error& now, const Estimate<S>& x, const Allocation<S>& last) noexcept {
+    if (!on_body(vehicle) || !(params_.stretch > S(0))) return false;
+    const S stopping = x.omega_BN_B.squaredNorm() * largest_inertia(vehicle.J_B) / (S(2) * torque_);
+    const S excess = std::max(stopping, known(vehicle, now, x).norm() / torque_);
     const bool lost = falls_short(last) || last.demand_B.norm() > S(100) * torque_;
     tumbling_ = tumbling_ ? excess > S(0.1) : excess > S(1) && lost;
     return tumbling_;
   }
 
   /// No path in these angles is fit for a tumble. Torque against the rate takes energy out even where it saturates.
-  Demand<S> damping(const Error& now, const Estimate<S>& x) const noexcept {
+  Demand<S> damping(const Vehicle<S>& vehicle, const Error& now, const Estimate<S>& x) const noexcept {
     Demand<S> out;
-    out.tau_B = -params_.c * (vehicle_.J_B * x.omega_BN_B);
+    out.tau_B = -params_.c * (vehicle.J_B * x.omega_BN_B);
     if (now.singular) out.status.set(Flag::singular);
     return out;
   }
 
-  bool on_body() const noexcept { return vehicle_.coordinates == Coordinates::body; }
+  static bool on_body(const Vehicle<S>& vehicle) noexcept { return vehicle.coordinates == Coordinates::body; }
   /// On a body the reference is its quaternion and rates alone; what stands in its Euler side is not read.
-  Reference<S> in_angles(const Reference<S>& ref) const noexcept { return on_body() ? with_euler(ref) : ref; }
+  static Reference<S> in_angles(const Vehicle<S>& vehicle, const Reference<S>& ref) noexcept {
+    return on_body(vehicle) ? with_euler(ref) : ref;
+  }
   S elapsed() const noexcept { return static_cast<S>(ticks_) * dt_; }
   S left() const noexcept { return std::max(path_.end() - elapsed(), S(0)); }
 
-  Error error(const Estimate<S>& x, const Reference<S>& ref) const noexcept {
+  Error error(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) const noexcept {
     Error now;
-    if (on_body()) {
+    if (on_body(vehicle)) {
       now.chi.angles = euler(x.q_NB);
       const S margin = std::cos(now.chi.angles[1]);
       now.chi.rates = margin > S(0) ? euler_rates(now.chi.angles, x.omega_BN_B) : Vec3<S>(Vec3<S>::Zero());
@@ -172,7 +175,7 @@ class PreassignedTimeSlidingMode {
       now.chi = {x.euler.angles, x.omega_BN_B};
     }
     now.z = now.chi.angles - ref.euler.angles;
-    if (on_body()) {
+    if (on_body(vehicle)) {
       for (int i = 0; i < 3; ++i) now.z[i] = wrapped(now.z[i]);
     }
     now.zd = now.chi.rates - ref.euler.rates;
@@ -180,32 +183,33 @@ class PreassignedTimeSlidingMode {
   }
 
   /// N m that a second derivative of the angles needs beyond the known torque.
-  Vec3<S> torque_for(const Error& now, const Vec3<S>& acceleration) const noexcept {
-    if (!on_body()) return vehicle_.J_B.diagonal().cwiseProduct(acceleration);
-    return vehicle_.J_B * (euler_rate_matrix(now.chi.angles) * acceleration +
-                           euler_rate_matrix_rate(now.chi.angles, now.chi.rates) * now.chi.rates);
+  Vec3<S> torque_for(const Vehicle<S>& vehicle, const Error& now, const Vec3<S>& acceleration) const noexcept {
+    if (!on_body(vehicle)) return vehicle.J_B.diagonal().cwiseProduct(acceleration);
+    return vehicle.J_B * (euler_rate_matrix(now.chi.angles) * acceleration +
+                          euler_rate_matrix_rate(now.chi.angles, now.chi.rates) * now.chi.rates);
   }
 
   /// Second derivative of the angles under a torque, the inverse of `torque_for`.
-  Vec3<S> acceleration_under(const Error& now, const Vec3<S>& tau_B) const noexcept {
-    if (!on_body()) return tau_B.cwiseQuotient(vehicle_.J_B.diagonal());
+  Vec3<S> acceleration_under(const Vehicle<S>& vehicle, const Error& now, const Vec3<S>& tau_B) const noexcept {
+    if (!on_body(vehicle)) return tau_B.cwiseQuotient(vehicle.J_B.diagonal());
     const Vec3<S> turning = euler_rate_matrix_rate(now.chi.angles, now.chi.rates) * now.chi.rates;
-    return euler_rates<S>(now.chi.angles, vehicle_.J_B.inverse() * tau_B - turning);
+    return euler_rates<S>(now.chi.angles, vehicle.J_B.inverse() * tau_B - turning);
   }
 
-  Vec3<S> known(const Error& now, const Estimate<S>& x) const noexcept {
-    return known_torque<S>(vehicle_, now.chi.angles, x.omega_BN_B, x.axes.momentum_B(vehicle_.D_B, x.h_w));
+  Vec3<S> known(const Vehicle<S>& vehicle, const Error& now, const Estimate<S>& x) const noexcept {
+    return known_torque<S>(vehicle, now.chi.angles, x.omega_BN_B, x.axes.momentum_B(vehicle.D_B, x.h_w));
   }
 
-  Vec3<S> free_acceleration(const Error& now, const Estimate<S>& x, const Reference<S>& ref) const noexcept {
+  Vec3<S> free_acceleration(const Vehicle<S>& vehicle, const Error& now, const Estimate<S>& x,
+                            const Reference<S>& ref) const noexcept {
     if (params_.start_acceleration == StartAcceleration::zero || now.singular) return Vec3<S>::Zero();
-    return acceleration_under(now, known(now, x)) - ref.euler_accelerations;
+    return acceleration_under(vehicle, now, known(vehicle, now, x)) - ref.euler_accelerations;
   }
 
-  Vec3<S> achieved_acceleration(const Error& now, const Estimate<S>& x, const Reference<S>& ref,
-                                const Allocation<S>& last) const noexcept {
+  Vec3<S> achieved_acceleration(const Vehicle<S>& vehicle, const Error& now, const Estimate<S>& x,
+                                const Reference<S>& ref, const Allocation<S>& last) const noexcept {
     if (now.singular) return Vec3<S>::Zero();
-    return acceleration_under(now, known(now, x) + last.achieved_B + x.d_B) - ref.euler_accelerations;
+    return acceleration_under(vehicle, now, known(vehicle, now, x) + last.achieved_B + x.d_B) - ref.euler_accelerations;
   }
 
   void plan(const Error& now, const Vec3<S>& acceleration, S T) noexcept {
@@ -213,19 +217,19 @@ class PreassignedTimeSlidingMode {
     ticks_ = 0;
   }
 
-  Demand<S> demand(const Error& now, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+  Demand<S> demand(const Vehicle<S>& vehicle, const Error& now, const Estimate<S>& x,
+                   const Reference<S>& ref) noexcept {
     point_ = path_.at(elapsed());
     const Vec3<S> rate_error = now.zd - point_.rate;
     s_ = params_.c * (now.z - point_.p) + rate_error;
     const Vec3<S> acceleration = point_.acceleration + ref.euler_accelerations - params_.c * rate_error -
                                  params_.b * s_ - params_.eta * layer(s_, params_.layer);
     Demand<S> out;
-    out.tau_B = torque_for(now, acceleration) - known(now, x) - x.d_B;
+    out.tau_B = torque_for(vehicle, now, acceleration) - known(vehicle, now, x) - x.d_B;
     if (now.singular) out.status.set(Flag::singular);
     return out;
   }
 
-  Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   S torque_;  ///< N m, usable

@@ -91,15 +91,16 @@ class PredefinedTime {
   }
 
   PredefinedTime(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : params_(params), surface_(setup.vehicle, params) {}
+      : params_(params), surface_(setup, params) {}
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& ref) noexcept {
     surface_.start();
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
-    return demand(x, ref);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&& log) const {
@@ -109,8 +110,8 @@ class PredefinedTime {
 
  private:
   /// xi' by the chain rule: d/dt [exp(V^h) V^-h] = h V' / V (V^h - 1) exp(V^h) V^-h, and nothing inside the floor.
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    const MrpMotion<S> m = surface_.motion(x, ref);
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const MrpMotion<S> m = surface_.motion(vehicle, x, ref);
     const S V1 = S(0.5) * m.z1.squaredNorm();
     const S gain = predefined_time_gain(V1, params_.h1, params_.T1, params_.floor1);
     xi_ = gain * m.z1;
@@ -121,7 +122,7 @@ class PredefinedTime {
     const S V2 = S(0.5) * s_.squaredNorm();
     const S reach = predefined_time_gain(V2, params_.h2, params_.T2, params_.floor2);
     Demand<S> out;
-    out.tau_B = surface_.torque_B(m, s_, xi_rate + reach * s_, x.d_B);
+    out.tau_B = surface_.torque_B(vehicle, m, s_, xi_rate + reach * s_, x.d_B);
     return out;
   }
 

@@ -90,34 +90,34 @@ class PrescribedPerformance {
   }
 
   PrescribedPerformance(Unchecked, const Setup<S>& setup, const Params& p) noexcept
-      : vehicle_(setup.vehicle),
-        dt_(setup.dt),
+      : dt_(setup.dt),
         params_(p),
         gains_{{p.b1, p.b2, p.r, p.eps_core}, {p.b3, p.b4, p.r, p.s_core}},
         shape_{p.power, p.rho_inf, p.delta_1, p.delta_2} {}
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>& det,
+                                const Reference<S>& ref) noexcept {
     arms_ = breaches_ = 0;
     outside_ = false;
     lowest_margin_ = S(1);
     jump_event_ = ref.event + x.event;
     fault_event_ = det.event;
     side_ = short_side(x, ref);
-    arm(x, sliding_error(x, ref, side_));
-    return demand(x, ref);
+    arm(vehicle, x, sliding_error(x, ref, side_));
+    return demand(vehicle, x, ref);
   }
 
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>& det, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>& det,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
     ++since_arm_;
     const bool jumped = ref.event + x.event != jump_event_, failed = det.event != fault_event_;
     jump_event_ = ref.event + x.event;
     fault_event_ = det.event;
     if (params_.arming == Arming::adaptive && (jumped || failed)) {
       if (jumped) side_ = short_side(x, ref);  // between jumps a flip would throw the error out of its funnel
-      arm(x, sliding_error(x, ref, side_));
+      arm(vehicle, x, sliding_error(x, ref, side_));
     }
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&& log) const {
@@ -135,29 +135,29 @@ class PrescribedPerformance {
 
  private:
   /// Torque about a body axis that the actuators in regular use have, with their estimated effectiveness.
-  S torque_about(int axis, const Estimate<S>& x) const noexcept {
+  S torque_about(const Vehicle<S>& vehicle, int axis, const Estimate<S>& x) const noexcept {
     S sum = S(0);
-    const Mat3N<S>& D_B = x.axes.of(vehicle_.D_B);
-    for (int j = 0; j < vehicle_.actuators(); ++j) {
+    const Mat3N<S>& D_B = x.axes.of(vehicle.D_B);
+    for (int j = 0; j < vehicle.actuators(); ++j) {
       const S lever = std::abs(D_B(axis, j));
-      if (vehicle_.spare.test(j) || lever == S(0)) continue;
-      sum += lever * std::max(x.effectiveness[j], params_.e_min) * std::min(vehicle_.u_up[j], -vehicle_.u_lo[j]);
+      if (vehicle.spare.test(j) || lever == S(0)) continue;
+      sum += lever * std::max(x.effectiveness[j], params_.e_min) * std::min(vehicle.u_up[j], -vehicle.u_lo[j]);
     }
-    return std::isfinite(sum) && sum > S(0) ? sum : usable_torque(vehicle_);
+    return std::isfinite(sum) && sum > S(0) ? sum : usable_torque(vehicle);
   }
 
-  void arm(const Estimate<S>& x, const SlidingError<S>& error) noexcept {
+  void arm(const Vehicle<S>& vehicle, const Estimate<S>& x, const SlidingError<S>& error) noexcept {
     const Vec3<S> angles = euler(error.q_RB);
     S t_f = params_.tf_min;
     for (int i = 0; i < 3; ++i)
-      t_f = std::max(t_f,
-                     std::sqrt(S(4) * params_.kappa * std::abs(angles[i]) * vehicle_.J_B(i, i) / torque_about(i, x)));
+      t_f = std::max(
+          t_f, std::sqrt(S(4) * params_.kappa * std::abs(angles[i]) * vehicle.J_B(i, i) / torque_about(vehicle, i, x)));
     for (int i = 0; i < 3; ++i) funnel_[i] = Funnel<S>::armed(error.qv[i], params_.eta, params_.q_floor, t_f);
     since_arm_ = 0;
     ++arms_;
   }
 
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
     const SlidingError<S> error = sliding_error(x, ref, side_);
     const S t = static_cast<S>(since_arm_) * dt_;
     Vec3<S> eps, eps_dot;
@@ -170,7 +170,7 @@ class PrescribedPerformance {
       eps[i] = n.eps;
       eps_dot[i] = n.eps_dot;
     }
-    const SlidingLaw<S> law = sliding_law(vehicle_, x, ref, error, gains_, eps, eps_dot, params_.as_printed);
+    const SlidingLaw<S> law = sliding_law(vehicle, x, ref, error, gains_, eps, eps_dot, params_.as_printed);
     s_ = law.s;
     qv_ = error.qv;
     Demand<S> out;
@@ -188,7 +188,6 @@ class PrescribedPerformance {
     outside_ = out;
   }
 
-  Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   SlidingGains<S> gains_;

@@ -55,23 +55,24 @@ class SaturatedPd {
                                                                S(2) * J, "<", Status<S>::Code::unstable);
   }
 
-  SaturatedPd(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle), params_(params), set_(params.shadow_switch) {}
+  SaturatedPd(Unchecked, const Setup<S>&, const Params& params) noexcept
+      : params_(params), set_(params.shadow_switch) {}
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& ref) noexcept {
     set_.start();
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
-    return demand(x, ref);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&&) const {}
 
  private:
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    const Tracking<S> error = track(vehicle_, x, ref, set_);
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const Tracking<S> error = track(vehicle, x, ref, set_);
     Vec3<S> damping;
     for (int i = 0; i < 3; ++i) damping[i] = params_.kd * params_.ws * std::tanh(error.omega_BR_B[i] / params_.ws);
     Demand<S> out;
@@ -80,7 +81,6 @@ class SaturatedPd {
     return out;
   }
 
-  Vehicle<S> vehicle_;
   Params params_;
   MrpSwitching<S> set_;
 };

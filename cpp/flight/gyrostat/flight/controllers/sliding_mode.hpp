@@ -56,15 +56,16 @@ class SlidingMode {
   }
 
   SlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle), dt_(setup.dt), params_(params), surface_({params.delta}) {}
+      : dt_(setup.dt), params_(params), surface_({params.delta}) {}
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& ref) noexcept {
     weights_.setZero();
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
-    return demand(x, ref);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&& log) const {
@@ -75,20 +76,20 @@ class SlidingMode {
  private:
   using Activation = Eigen::Matrix<S, nodes, 1>;
 
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    const typename RateAttitudeSurface<S>::Value at = surface_(vehicle_, x, ref);
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const typename RateAttitudeSurface<S>::Value at = surface_(vehicle, x, ref);
     s_ = at.s;
     Demand<S> out;
     out.tau_B = at.equivalent_B + params_.reaching(s_);
-    if (params_.network_rate > S(0)) out.tau_B -= network(x, ref);
+    if (params_.network_rate > S(0)) out.tau_B -= network(vehicle, x, ref);
     if (params_.compensate) out.tau_B -= x.d_B;
     return out;
   }
 
   /// Torque of the network with the weights so far, which then make an Euler step. The forgetting is implicit: bounded for
   /// every s.
-  const Vec3<S>& network(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    const Tracking<S> error = track(vehicle_, x, ref);
+  const Vec3<S>& network(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const Tracking<S> error = track(vehicle, x, ref);
     const Vec3<S> q = quat_from_mrp(error.sigma_BR).vec();
     const Activation phi = activation(q, error.omega_BR_B);
     network_ = weights_.transpose() * phi;
@@ -113,7 +114,6 @@ class SlidingMode {
     return phi;
   }
 
-  Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   RateAttitudeSurface<S> surface_;

@@ -71,26 +71,27 @@ class TerminalSlidingMode {
   }
 
   TerminalSlidingMode(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : params_(params), shape_{params.a, params.b, params.g, params.eta}, surface_(setup.vehicle, params) {}
+      : params_(params), shape_{params.a, params.b, params.g, params.eta}, surface_(setup, params) {}
 
-  [[nodiscard]] Demand<S> start(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref) noexcept {
+  [[nodiscard]] Demand<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                                const Reference<S>& ref) noexcept {
     surface_.start();
-    return demand(x, ref);
+    return demand(vehicle, x, ref);
   }
-  [[nodiscard]] Demand<S> step(const Estimate<S>& x, const Detection<S>&, const Reference<S>& ref,
-                               const Allocation<S>&) noexcept {
-    return demand(x, ref);
+  [[nodiscard]] Demand<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Detection<S>&,
+                               const Reference<S>& ref, const Allocation<S>&) noexcept {
+    return demand(vehicle, x, ref);
   }
 
   void telemetry(auto&& log) const { log("s", s_); }
 
  private:
-  Demand<S> demand(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    const MrpMotion<S> m = surface_.motion(x, ref);
+  Demand<S> demand(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const MrpMotion<S> m = surface_.motion(vehicle, x, ref);
     s_ = shape_(m.z1, m.z2);
     const Vec3<S> reach = params_.k1 * s_ + params_.k2 * sig(s_, params_.g2);
     Demand<S> out;
-    out.tau_B = surface_.torque_B(m, s_, shape_.rate(m.z1, m.z2) + reach, x.d_B);
+    out.tau_B = surface_.torque_B(vehicle, m, s_, shape_.rate(m.z1, m.z2) + reach, x.d_B);
     return out;
   }
 

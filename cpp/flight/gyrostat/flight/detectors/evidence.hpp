@@ -85,36 +85,34 @@ class EvidenceDetector {
   }
 
   EvidenceDetector(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        params_(params),
+      : params_(params),
         dt_(setup.dt),
         usable_(usable_torque(setup.vehicle)),
         by_momentum_(params.use_momentum ? setup.vehicle.wheels : Mask{}),
         by_torque_(params.use_torque ? Mask::all(setup.vehicle.actuators()).without(by_momentum_) : Mask{}) {
-    forget();
+    forget(setup.vehicle);
   }
 
-  [[nodiscard]] Detection<S> start(const Estimate<S>& x) noexcept {
-    forget();
+  [[nodiscard]] Detection<S> start(const Vehicle<S>& vehicle, const Estimate<S>& x) noexcept {
+    forget(vehicle);
     event_ = x.event;
     return det_;
   }
 
-  [[nodiscard]] Detection<S> step(const Estimate<S>& x, const Allocation<S>& last) noexcept {
+  [[nodiscard]] Detection<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Allocation<S>& last) noexcept {
     named_ = recovered_ = Mask{};
     judged_ = false;
     const bool jumped = x.event != event_;
     event_ = x.event;
-    if (x.axes.move()) vehicle_.D_B = x.axes.D_B;
-    look_at_wheels(x, last.u, x.momentum_valid && !jumped);
-    if (by_torque_.any()) look_at_torque(x, last.u, jumped);
-    if (judged_ && det_.failed.any() && !enough_without(det_.failed)) take_back();
+    look_at_wheels(vehicle, x, last.u, x.momentum_valid && !jumped);
+    if (by_torque_.any()) look_at_torque(x.axes.of(vehicle.D_B), x, last.u, jumped);
+    if (judged_ && det_.failed.any() && !enough_without(vehicle, x.axes.of(vehicle.D_B), det_.failed)) take_back();
     if (named_.any() || recovered_.any()) tell();
     return det_;
   }
 
   void telemetry(auto&& log) const {
-    const int n = vehicle_.actuators();
+    const auto n = det_.gain.size();
     VecN<S> delivered = VecN<S>::Zero(n), tolerance = delivered, noise = delivered;
     for (int i = 0; i < n; ++i) {
       if (!by_momentum_.test(i)) continue;
@@ -146,33 +144,34 @@ class EvidenceDetector {
     return most;
   }
 
+  int actuators() const noexcept { return static_cast<int>(det_.gain.size()); }
   int block() const noexcept { return static_cast<int>(std::clamp(std::round(params_.block / dt_), S(2), S(5e7))); }
 
-  void forget() noexcept {
-    det_ = Detection<S>::none(vehicle_);
+  void forget(const Vehicle<S>& vehicle) noexcept {
+    det_ = Detection<S>::none(vehicle);
     named_ = recovered_ = declared_ = Mask{};
     const WheelRules<S> rules{dt_, block(), params_.z, params_.momentum_delay, params_.failed_below, params_.confirm};
-    for (int i = 0; i < vehicle_.actuators(); ++i) {
-      const S most = vehicle_.h_max.size() == 0 ? std::numeric_limits<S>::infinity() : vehicle_.h_max[i];
-      wheels_[i] = {rules, params_.tolerance * largest_command(vehicle_, i), params_.momentum_noise, most};
+    for (int i = 0; i < vehicle.actuators(); ++i) {
+      const S most = vehicle.h_max.size() == 0 ? std::numeric_limits<S>::infinity() : vehicle.h_max[i];
+      wheels_[i] = {rules, params_.tolerance * largest_command(vehicle, i), params_.momentum_noise, most};
       dropped_[i] = {S(0), params_.retry};
     }
-    torque_ = TorqueEvidence<S>(vehicle_.D_B, block(), params_.disturbance * usable_);
+    torque_ = TorqueEvidence<S>(vehicle.actuators(), block(), params_.disturbance * usable_);
   }
 
-  void look_at_wheels(const Estimate<S>& x, const VecN<S>& u, bool measured) noexcept {
-    for (int i = 0; i < vehicle_.actuators(); ++i) {
+  void look_at_wheels(const Vehicle<S>& vehicle, const Estimate<S>& x, const VecN<S>& u, bool measured) noexcept {
+    for (int i = 0; i < vehicle.actuators(); ++i) {
       if (!by_momentum_.test(i)) continue;
       if (det_.failed.test(i) && !tried_again(i)) continue;
       if (!measured || !(std::abs(u[i]) < S(1e12))) {
         wheels_[i].interrupt();
       } else if (wheels_[i].sample(x.h_w[i], u[i])) {
-        judge(i);
+        judge(vehicle, x.axes.of(vehicle.D_B), i);
       }
     }
   }
 
-  void judge(int i) noexcept {
+  void judge(const Vehicle<S>& vehicle, const Mat3N<S>& D_B, int i) noexcept {
     using News = typename WheelEvidence<S>::News;
     const News news = wheels_[i].judge();
     judged_ = true;
@@ -182,34 +181,34 @@ class EvidenceDetector {
     det_.classes[static_cast<std::size_t>(i)] = fault.fault;
     det_.gain[i] = fault.gain;
     det_.bias[i] = fault.bias;
-    if (params_.drop && wheels_[i].useless() && spared(i)) {
+    if (params_.drop && wheels_[i].useless() && spared(vehicle, D_B, i)) {
       det_.failed.set(i);
       dropped_[i].waits = dropped_[i].next;
       dropped_[i].next = std::min(S(2) * dropped_[i].next, S(64) * params_.retry);
     }
   }
 
-  bool spared(int i) const noexcept {
+  bool spared(const Vehicle<S>& vehicle, const Mat3N<S>& D_B, int i) const noexcept {
     Mask dropped = det_.failed;
     dropped.set(i);
-    return enough_without(dropped);
+    return enough_without(vehicle, D_B, dropped);
   }
 
   /// Whether the others have torque enough in every direction, with what is dropped pushing as it does. Of an unclear fault
   /// nobody knows what it leaves: nothing is counted.
-  bool enough_without(Mask dropped) const noexcept {
-    ActuatorsInUse<S> left{Mask::all(vehicle_.actuators()).without(dropped), det_.gain};
-    for (int k = 0; k < vehicle_.actuators(); ++k) {
-      if (dropped.test(k)) left.against += det_.bias[k] * vehicle_.D_B.col(k);
+  bool enough_without(const Vehicle<S>& vehicle, const Mat3N<S>& D_B, Mask dropped) const noexcept {
+    ActuatorsInUse<S> left{Mask::all(vehicle.actuators()).without(dropped), det_.gain};
+    for (int k = 0; k < vehicle.actuators(); ++k) {
+      if (dropped.test(k)) left.against += det_.bias[k] * D_B.col(k);
       if (det_.classes[static_cast<std::size_t>(k)] == FaultClass::unclear) left.gain[k] = S(0);
     }
     left.gain = left.gain.cwiseMax(S(0)).cwiseMin(S(1));
-    return torque_authority(vehicle_, left) > params_.margin * usable_;
+    return torque_authority(vehicle, D_B, left) > params_.margin * usable_;
   }
 
   /// Another fault has made the dropped ones needed: all are used again, and judged anew.
   void take_back() noexcept {
-    for (int i = 0; i < vehicle_.actuators(); ++i) {
+    for (int i = 0; i < actuators(); ++i) {
       if (!det_.failed.test(i)) continue;
       det_.failed.set(i, false);
       wheels_[i].retry();
@@ -224,13 +223,13 @@ class EvidenceDetector {
     return true;
   }
 
-  void look_at_torque(const Estimate<S>& x, const VecN<S>& u, bool jumped) noexcept {
+  void look_at_torque(const Mat3N<S>& D_B, const Estimate<S>& x, const VecN<S>& u, bool jumped) noexcept {
     if (jumped || !(u.cwiseAbs().maxCoeff() < S(1e12))) return torque_.forget();
-    if (!torque_.sample(x, u)) return;
+    if (!torque_.sample(D_B, x, u)) return;
     const Mask faulty = det_.changed | named_;
-    for (int i = 0; i < vehicle_.actuators(); ++i)
-      if ((faulty & by_torque_).test(i)) det_.gain[i] = torque_.gain_of(i, faulty, det_.gain[i]);
-    const auto answer = torque_.judge(by_torque_, faulty);
+    for (int i = 0; i < actuators(); ++i)
+      if ((faulty & by_torque_).test(i)) det_.gain[i] = torque_.gain_of(D_B, i, faulty, det_.gain[i]);
+    const auto answer = torque_.judge(D_B, by_torque_, faulty);
     if (answer.actuator < 0) return;
     named_.set(answer.actuator);
     det_.classes[static_cast<std::size_t>(answer.actuator)] = FaultClass::gain;
@@ -240,12 +239,11 @@ class EvidenceDetector {
 
   void tell() noexcept {
     det_.changed = (det_.changed | named_).without(recovered_);
-    if (named_.any()) det_.enabled = Mask::all(vehicle_.actuators());
+    if (named_.any()) det_.enabled = Mask::all(actuators());
     declared_ = named_;
     ++det_.event;
   }
 
-  Vehicle<S> vehicle_;
   Params params_;
   S dt_;
   S usable_;                      ///< N m

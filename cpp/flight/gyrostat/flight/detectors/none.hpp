@@ -22,8 +22,10 @@ class NoDetector {
 
   NoDetector(Unchecked, const Setup<S>& setup, const Params&) noexcept : none_(Detection<S>::none(setup.vehicle)) {}
 
-  [[nodiscard]] Detection<S> start(const Estimate<S>&) noexcept { return none_; }
-  [[nodiscard]] Detection<S> step(const Estimate<S>&, const Allocation<S>&) noexcept { return none_; }
+  [[nodiscard]] Detection<S> start(const Vehicle<S>&, const Estimate<S>&) noexcept { return none_; }
+  [[nodiscard]] Detection<S> step(const Vehicle<S>&, const Estimate<S>&, const Allocation<S>&) noexcept {
+    return none_;
+  }
 
   void telemetry(auto&&) const {}
 

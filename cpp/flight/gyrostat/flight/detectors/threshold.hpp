@@ -82,25 +82,24 @@ class ThresholdDetector {
   }
 
   ThresholdDetector(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        params_(params),
+      : params_(params),
         persistence_(ticks(params.persistence, setup.dt)),
         hold_off_(ticks(params.hold_off, setup.dt)),
         settle_(params.settle > S(0) ? ticks(params.settle, setup.dt) : 0),
         period_(ticks(params.dither_period, setup.dt)),
         null_(setup.vehicle.D_B, Mask::all(setup.vehicle.actuators())) {
-    forget();
+    forget(setup.vehicle);
   }
 
-  [[nodiscard]] Detection<S> start(const Estimate<S>&) noexcept {
-    forget();
+  [[nodiscard]] Detection<S> start(const Vehicle<S>& vehicle, const Estimate<S>&) noexcept {
+    forget(vehicle);
     return with_probe();
   }
 
-  [[nodiscard]] Detection<S> step(const Estimate<S>& x, const Allocation<S>& last) noexcept {
-    look(x, last);
+  [[nodiscard]] Detection<S> step(const Vehicle<S>& vehicle, const Estimate<S>& x, const Allocation<S>& last) noexcept {
+    look(x.axes.of(vehicle.D_B), x, last);
     Mask now;
-    for (int j = 0; j < vehicle_.actuators(); ++j) {
+    for (int j = 0; j < vehicle.actuators(); ++j) {
       if (quiet_[j] > 0) {
         if (watched_.test(j) && hold_off_ - quiet_[j] < settle_) reference_[j] = seen_[j];
         --quiet_[j];
@@ -110,7 +109,7 @@ class ThresholdDetector {
       beyond_[j] = beyond ? beyond_[j] + 1 : 0;
       if (beyond && beyond_[j] >= persistence_) now.set(j);
     }
-    if (now.any()) declare(now);
+    if (now.any()) declare(vehicle, now);
     return with_probe();
   }
 
@@ -124,10 +123,10 @@ class ThresholdDetector {
     return static_cast<std::int32_t>(std::min(std::max(std::round(seconds / dt), S(1)), S(2e9)));
   }
 
-  void forget() noexcept {
-    det_ = Detection<S>::none(vehicle_);
-    if (params_.dither > S(0)) det_.enabled = Mask::all(vehicle_.actuators());  // a probe takes all of the redundancy
-    reference_ = seen_ = VecN<S>::Ones(vehicle_.actuators());
+  void forget(const Vehicle<S>& vehicle) noexcept {
+    det_ = Detection<S>::none(vehicle);
+    if (params_.dither > S(0)) det_.enabled = Mask::all(vehicle.actuators());  // a probe takes all of the redundancy
+    reference_ = seen_ = VecN<S>::Ones(vehicle.actuators());
     for (int j = 0; j < max_actuators; ++j) beyond_[j] = quiet_[j] = 0;
     watched_ = declared_ = Mask{};
     tick_ = 0;
@@ -135,12 +134,14 @@ class ThresholdDetector {
     next_direction();
   }
 
+  int actuators() const noexcept { return static_cast<int>(reference_.size()); }
+
   /// Effectiveness that the estimate amounts to, of the actuators that push.
-  void look(const Estimate<S>& x, const Allocation<S>& last) noexcept {
-    const Mask pushing = excited(x.axes.of(vehicle_.D_B), last.u, params_.u_gate);
+  void look(const Mat3N<S>& D_B, const Estimate<S>& x, const Allocation<S>& last) noexcept {
+    const Mask pushing = excited(D_B, last.u, params_.u_gate);
     watched_ = pushing.without(params_.unwatched);
     seen_ = x.effectiveness;
-    if (params_.use_torque && !x.d_B.isZero(S(0))) seen_ += explained(x.axes.of(vehicle_.D_B), last.u, x.d_B);
+    if (params_.use_torque && !x.d_B.isZero(S(0))) seen_ += explained(D_B, last.u, x.d_B);
   }
 
   /// By those that were declared before, first: the others explain what no declared one can make.
@@ -154,36 +155,36 @@ class ThresholdDetector {
     return change + explaining_change(D_B, u, watched_ & det_.changed, regularisation, rest);
   }
 
-  void declare(Mask now) noexcept {
-    for (int j = 0; j < vehicle_.actuators(); ++j) {
+  void declare(const Vehicle<S>& vehicle, Mask now) noexcept {
+    for (int j = 0; j < vehicle.actuators(); ++j) {
       if (!now.test(j)) continue;
       reference_[j] = seen_[j];
       beyond_[j] = 0;
       quiet_[j] = hold_off_;
       det_.classes[static_cast<std::size_t>(j)] = FaultClass::gain;
       det_.gain[j] = seen_[j];
-      if (seen_[j] < params_.failed_below && spared(j)) det_.failed.set(j);
+      if (seen_[j] < params_.failed_below && spared(vehicle, j)) det_.failed.set(j);
     }
     declared_ = now;
     det_.changed = det_.changed | now;
-    det_.enabled = Mask::all(vehicle_.actuators());
+    det_.enabled = Mask::all(vehicle.actuators());
     ++det_.event;
   }
 
   /// Whether the others, spares and all, reach every direction of torque.
-  bool spared(int j) const noexcept {
+  bool spared(const Vehicle<S>& vehicle, int j) const noexcept {
     Mask failed = det_.failed;
     failed.set(j);
-    const ActuatorsInUse<S> left{Mask::all(vehicle_.actuators()).without(failed),
+    const ActuatorsInUse<S> left{Mask::all(vehicle.actuators()).without(failed),
                                  reference_.cwiseMax(S(0)).cwiseMin(S(1))};
-    return torque_authority(vehicle_, left) > S(0);
+    return torque_authority(vehicle, left) > S(0);
   }
 
   /// The next actuator's null command; with one dimension of redundancy they are all the same up to the sign.
   void next_direction() noexcept {
     if (!(params_.dither > S(0))) return;
-    for (int tries = 0; tries < vehicle_.actuators(); ++tries) {
-      probed_ = (probed_ + 1) % vehicle_.actuators();
+    for (int tries = 0; tries < actuators(); ++tries) {
+      probed_ = (probed_ + 1) % actuators();
       direction_ = null_.direction(probed_);
       if (!direction_.isZero(S(0))) return;
     }
@@ -201,7 +202,6 @@ class ThresholdDetector {
     return det_;
   }
 
-  Vehicle<S> vehicle_;
   Params params_;
   std::int32_t persistence_, hold_off_, settle_, period_;  ///< samples
   NullSpace<S> null_;

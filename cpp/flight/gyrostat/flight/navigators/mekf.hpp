@@ -93,7 +93,7 @@ class Mekf {
         delay_(std::clamp(params.latency, 0, max_latency)) {}
 
   /// First sample: the gyro is taken to have shown this all the time.
-  [[nodiscard]] Measurement<S> start(const Measurement<S>& y) noexcept {
+  [[nodiscard]] Measurement<S> start(const Vehicle<S>&, const Measurement<S>& y) noexcept {
     const Rate first{y.rate_valid ? y.omega_BN_B : Vec3<S>(Vec3<S>::Zero()), y.rate_valid ? 0 : 1};
     ring_.fill(first);
     newest_ = 0;
@@ -105,7 +105,7 @@ class Mekf {
     return filtered(y);
   }
 
-  [[nodiscard]] Measurement<S> step(const Measurement<S>& y) noexcept {
+  [[nodiscard]] Measurement<S> step(const Vehicle<S>&, const Measurement<S>& y) noexcept {
     Rate now = at(0);
     now = y.rate_valid ? Rate{y.omega_BN_B, 0} : Rate{now.omega, now.missing + 1};
     newest_ = (newest_ + 1) % size();

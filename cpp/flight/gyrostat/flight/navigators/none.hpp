@@ -22,8 +22,8 @@ class NoNavigator {
 
   NoNavigator(Unchecked, const Setup<S>&, const Params&) noexcept {}
 
-  [[nodiscard]] const Measurement<S>& start(const Measurement<S>& y) noexcept { return y; }
-  [[nodiscard]] const Measurement<S>& step(const Measurement<S>& y) noexcept { return y; }
+  [[nodiscard]] const Measurement<S>& start(const Vehicle<S>&, const Measurement<S>& y) noexcept { return y; }
+  [[nodiscard]] const Measurement<S>& step(const Vehicle<S>&, const Measurement<S>& y) noexcept { return y; }
 
   void telemetry(auto&&) const {}
 };

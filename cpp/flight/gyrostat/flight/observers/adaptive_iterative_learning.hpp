@@ -86,23 +86,25 @@ class AdaptiveIterativeLearningObserver {
   AdaptiveIterativeLearningObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : dt_(setup.dt), params_(params), learning_(setup, params), gains_(first()) {}
 
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     gains_ = first();
-    learning_.start(y);
-    return learning_.estimate(y);
+    learning_.start(vehicle, y);
+    return learning_.estimate(vehicle, y);
   }
 
   /// The rate observer flies with the gains of the sample before, the learning step with the new ones.
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    adapt(learning_.observe(y, last, gains_, params_.layer));
-    learning_.learn(last, gains_.k4);
-    return learning_.estimate(y);
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    adapt(learning_.observe(vehicle, y, last, gains_, params_.layer));
+    learning_.learn(vehicle, y, last, gains_.k4);
+    return learning_.estimate(vehicle, y);
   }
 
   /// Nothing is learned.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
     learning_.skip(y, last);
-    return learning_.estimate(y);
+    return learning_.estimate(vehicle, y);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.

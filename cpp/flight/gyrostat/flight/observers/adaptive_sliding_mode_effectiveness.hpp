@@ -90,18 +90,20 @@ class AdaptiveSlidingModeEffectivenessObserver {
     effectiveness_.setOnes(setup.vehicle.actuators());
   }
 
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
-    predict_.start(y);
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    predict_.start(vehicle, y);
     rho_.setZero();
     effectiveness_.setOnes();
-    return estimate(y, VecN<S>::Zero(effectiveness_.size()));
+    return estimate(vehicle, y, VecN<S>::Zero(effectiveness_.size()));
   }
 
   /// Every later sample: Euler steps; the regressor is the command that acted over the interval just ended.
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const Vec3<S>& error = predict_.step(y, effectiveness_, last.u);
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    const Mat3N<S>& D_B = y.axes.of(vehicle.D_B);
+    const Vec3<S>& error = predict_.step(vehicle, y, effectiveness_, last.u);
     for (Eigen::Index i = 0; i < effectiveness_.size(); ++i) {
-      const S e = effectiveness_[i] + dt_ * params_.gamma * last.u[i] * predict_.D_B().col(i).dot(error);
+      const S e = effectiveness_[i] + dt_ * params_.gamma * last.u[i] * D_B.col(i).dot(error);
       effectiveness_[i] =
           params_.hand_on ? std::clamp(e, S(0), S(1) + effectiveness_headroom<S>) : std::clamp(e, params_.e_min, S(1));
     }
@@ -110,13 +112,14 @@ class AdaptiveSlidingModeEffectivenessObserver {
       if (size > params_.dead_zone) rho_[a] = std::min(rho_[a] + dt_ * params_.k_rho * size, params_.rho_max);
     }
     predict_.correct(params_.L.cwiseProduct(error) + rho_.cwiseProduct(sgn(error)));
-    return estimate(y, last.u);
+    return estimate(vehicle, y, last.u);
   }
 
   /// Nothing is learned.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    predict_.skip(y);
-    return estimate(y, last.u);
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    predict_.skip(vehicle, y);
+    return estimate(vehicle, y, last.u);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.
@@ -128,9 +131,9 @@ class AdaptiveSlidingModeEffectivenessObserver {
   }
 
  private:
-  Estimate<S> estimate(const Measurement<S>& y, const VecN<S>& u) const noexcept {
+  Estimate<S> estimate(const Vehicle<S>& vehicle, const Measurement<S>& y, const VecN<S>& u) const noexcept {
     Estimate<S> x = Estimate<S>::healthy(y);
-    issue_effectiveness<S>(x, effectiveness_, params_.e_min, S(1), predict_.D_B(), u);
+    issue_effectiveness<S>(x, effectiveness_, params_.e_min, S(1), y.axes.of(vehicle.D_B), u);
     return x;
   }
 

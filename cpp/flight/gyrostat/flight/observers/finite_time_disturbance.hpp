@@ -75,16 +75,15 @@ class FiniteTimeDisturbanceObserver {
   }
 
   FiniteTimeDisturbanceObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        dt_(setup.dt),
+      : dt_(setup.dt),
         params_(params),
         J_inv_(setup.vehicle.J_B.inverse()),
         root_(dt_ * params.lambda1, dt_ * dt_ * params.lambda2, params.alpha1) {}
 
   /// First sample: the observer starts at the measured rate, with no torque.
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     omega_ = y.omega_BN_B;
-    h_w_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
+    h_w_B_ = y.axes.momentum_B(vehicle.D_B, y.h_w);
     z1_.setZero();
     eta_.setZero();
     theta_.setZero();
@@ -92,13 +91,14 @@ class FiniteTimeDisturbanceObserver {
   }
 
   /// Every later sample: over the interval just ended `last.u` was held.
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const Vec3<S> u_B = torque<S>(y.axes.of(vehicle_.D_B), last.u);
-    const Vec3<S> h_w_B = y.axes.momentum_B(vehicle_.D_B, y.h_w);
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    const Vec3<S> u_B = torque<S>(y.axes.of(vehicle.D_B), last.u);
+    const Vec3<S> h_w_B = y.axes.momentum_B(vehicle.D_B, y.h_w);
     if (params_.method == Method::implicit) {
-      implicit_step(y.omega_BN_B, h_w_B, u_B);
+      implicit_step(vehicle, y.omega_BN_B, h_w_B, u_B);
     } else {
-      explicit_steps(y.omega_BN_B, h_w_B, u_B);
+      explicit_steps(vehicle, y.omega_BN_B, h_w_B, u_B);
     }
     omega_ = y.omega_BN_B;
     h_w_B_ = h_w_B;
@@ -106,9 +106,9 @@ class FiniteTimeDisturbanceObserver {
   }
 
   /// Nothing is learned: z1 stays, what moves with w.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>&) noexcept {
     omega_ = y.omega_BN_B;
-    h_w_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
+    h_w_B_ = y.axes.momentum_B(vehicle.D_B, y.h_w);
     return estimate(y);
   }
 
@@ -122,14 +122,15 @@ class FiniteTimeDisturbanceObserver {
   }
 
  private:
-  Vec3<S> gyroscopic(const Vec3<S>& omega, const Vec3<S>& h_w_B) const noexcept {
-    return omega.cross(vehicle_.J_B * omega + h_w_B);
+  static Vec3<S> gyroscopic(const Vehicle<S>& vehicle, const Vec3<S>& omega, const Vec3<S>& h_w_B) noexcept {
+    return omega.cross(vehicle.J_B * omega + h_w_B);
   }
 
   /// Backward Euler in z1 and eta, an axis at a time; the gyroscopic torque by the trapezoid of its ends. Written in z1, which
   /// keeps its digits when it is far smaller than the rate: what[k-1] = omega[k-1] - z1[k-1].
-  void implicit_step(const Vec3<S>& omega, const Vec3<S>& h_w_B, const Vec3<S>& u_B) noexcept {
-    const Vec3<S> gyro_B = S(0.5) * (gyroscopic(omega_, h_w_B_) + gyroscopic(omega, h_w_B));
+  void implicit_step(const Vehicle<S>& vehicle, const Vec3<S>& omega, const Vec3<S>& h_w_B,
+                     const Vec3<S>& u_B) noexcept {
+    const Vec3<S> gyro_B = S(0.5) * (gyroscopic(vehicle, omega_, h_w_B_) + gyroscopic(vehicle, omega, h_w_B));
     const Vec3<S> a = J_inv_ * (u_B - gyro_B);
     const Vec3<S> r = (omega - omega_) + z1_ - dt_ * (a + eta_);
     Vec3<S> acceleration;
@@ -139,22 +140,23 @@ class FiniteTimeDisturbanceObserver {
       eta_[i] += dt_ * params_.lambda2 * root.sig_a2;
       acceleration[i] = params_.lambda1 * root.sig_a1 + eta_[i];
     }
-    theta_ = vehicle_.J_B * acceleration;
+    theta_ = vehicle.J_B * acceleration;
   }
 
-  void explicit_steps(const Vec3<S>& omega, const Vec3<S>& h_w_B, const Vec3<S>& u_B) noexcept {
+  void explicit_steps(const Vehicle<S>& vehicle, const Vec3<S>& omega, const Vec3<S>& h_w_B,
+                      const Vec3<S>& u_B) noexcept {
     const S alpha2 = S(2) * params_.alpha1 - S(1);
     const S h = dt_ / static_cast<S>(params_.substeps);
     const Vec3<S> domega = (omega - omega_) / static_cast<S>(params_.substeps);
     const Vec3<S> dh_w_B = (h_w_B - h_w_B_) / static_cast<S>(params_.substeps);
     for (int j = 0; j < params_.substeps; ++j) {
       const S at = static_cast<S>(j);
-      const Vec3<S> a = J_inv_ * (u_B - gyroscopic(omega_ + at * domega, h_w_B_ + at * dh_w_B));
+      const Vec3<S> a = J_inv_ * (u_B - gyroscopic(vehicle, omega_ + at * domega, h_w_B_ + at * dh_w_B));
       const Vec3<S> acceleration = params_.lambda1 * sig(z1_, params_.alpha1) + eta_;
       eta_ += h * params_.lambda2 * sig(z1_, alpha2);
       z1_ += domega - h * (a + acceleration);
     }
-    theta_ = vehicle_.J_B * (params_.lambda1 * sig(z1_, params_.alpha1) + eta_);
+    theta_ = vehicle.J_B * (params_.lambda1 * sig(z1_, params_.alpha1) + eta_);
   }
 
   Estimate<S> estimate(const Measurement<S>& y) const noexcept {
@@ -163,7 +165,6 @@ class FiniteTimeDisturbanceObserver {
     return x;
   }
 
-  Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   Mat3<S> J_inv_;

@@ -47,20 +47,22 @@ class IterativeLearningObserver {
   IterativeLearningObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
       : learning_(setup, params), gains_{params.k1, S(0), params.k4} {}
 
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
-    learning_.start(y);
-    return learning_.estimate(y);
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    learning_.start(vehicle, y);
+    return learning_.estimate(vehicle, y);
   }
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    learning_.observe(y, last, gains_, S(1));
-    learning_.learn(last, gains_.k4);
-    return learning_.estimate(y);
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    learning_.observe(vehicle, y, last, gains_, S(1));
+    learning_.learn(vehicle, y, last, gains_.k4);
+    return learning_.estimate(vehicle, y);
   }
 
   /// Nothing is learned.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
     learning_.skip(y, last);
-    return learning_.estimate(y);
+    return learning_.estimate(vehicle, y);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.

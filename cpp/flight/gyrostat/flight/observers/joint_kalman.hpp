@@ -94,8 +94,7 @@ class JointKalmanObserver {
   }
 
   JointKalmanObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        params_(params),
+      : params_(params),
         wheels_(params.use_momentum ? setup.vehicle.wheels & Mask::all(setup.vehicle.actuators()) : Mask{}),
         dt_(setup.dt),
         usable_(usable_torque(setup.vehicle)),
@@ -112,18 +111,20 @@ class JointKalmanObserver {
   }
 
   /// First sample: healthy, and not known to be.
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     begin();
     event_ = y.event;
-    turn(y);
+    turn(y.axes);
     measure(y);
-    remember(y);
-    return estimate(y);
+    remember(vehicle, y);
+    return estimate(vehicle, y);
   }
 
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
     const bool sensible = credible(last.u), moved = y.event == event_ && sensible;
-    turn(y);
+    turn(y.axes);
+    const Mat3N<S>& D_B = y.axes.of(vehicle.D_B);
     VecN<S> du = VecN<S>::Zero(n_), shown_du = du;
     if (sensible) {
       const VecN<S> shown = params_.momentum_delay > 0 ? past_u_.oldest() : last.u;
@@ -133,19 +134,19 @@ class JointKalmanObserver {
       past_u_.push(last.u);
     }
     if (moved) {
-      meter(y, du, shown_du);
-      predict(y);
+      meter(D_B, y, du, shown_du);
+      predict(vehicle, y);
     } else {  // no motion leads here
       rate_known_ = momentum_known_ = false;
       rates_ = momenta_ = 0;
     }
-    age(du, shown_du);
-    if (moved) open(y);
+    age(D_B, du, shown_du);
+    if (moved) open(D_B, y);
     measure(y);
     project();
     event_ = y.event;
-    remember(y);
-    return estimate(y);
+    remember(vehicle, y);
+    return estimate(vehicle, y);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.
@@ -156,7 +157,10 @@ class JointKalmanObserver {
   }
 
   /// What was measured still teaches: a channel that was not is predicted, and measured again when it is back.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept { return step(y, last); }
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    return step(vehicle, y, last);
+  }
 
   void telemetry(auto&& log) const {
     VecN<S> bias = VecN<S>::Zero(n_), sigma_h = VecN<S>::Zero(n_);
@@ -246,7 +250,7 @@ class JointKalmanObserver {
   /// What e, b and d in `v` do to w and h in the last interval: the upper right block of F, times v. A momentum shows what an
   /// older command did.
   template <class V>
-  Moving driven(const V& v) const noexcept {
+  Moving driven(const Mat3N<S>& D_B, const V& v) const noexcept {
     Moving out(moving());
     Vec3<S> torque_B = v.template tail<3>();
     for (int i = 0, k = 0; i < n_; ++i) {
@@ -256,17 +260,17 @@ class JointKalmanObserver {
         out[h(k)] = -dt_ * (v[i] * shown_u_[i] + v[n_ + k]);
         ++k;
       }
-      torque_B += vehicle_.D_B.col(i) * delivered;
+      torque_B += D_B.col(i) * delivered;
     }
     out.template head<3>() = dt_J_inv_ * torque_B;
     return out;
   }
 
   /// Second differences less what the change of the command explains.
-  void meter(const Measurement<S>& y, const VecN<S>& du, const VecN<S>& shown_du) noexcept {
+  void meter(const Mat3N<S>& D_B, const Measurement<S>& y, const VecN<S>& du, const VecN<S>& shown_du) noexcept {
     const VecN<S> change = x_.segment(e(0), n_).cwiseProduct(du);
     if (rates_ == 2 && y.rate_valid) {
-      const Vec3<S> t = y.omega_BN_B - S(2) * omega_ + omega_1_ - dt_J_inv_ * torque<S>(vehicle_.D_B, change);
+      const Vec3<S> t = y.omega_BN_B - S(2) * omega_ + omega_1_ - dt_J_inv_ * torque<S>(D_B, change);
       rate_meter_.take(t.squaredNorm() / S(18));
     }
     if (momenta_ == 2 && y.momentum_valid) {
@@ -280,12 +284,13 @@ class JointKalmanObserver {
 
   /// x and P over the interval. P_ms: motion against e, b, d. With A of `driven`, P_ms += A P_ss, P_mm += A H + H' A',
   /// H = P_sm + P_ss A' / 2: only what F moves is touched.
-  void predict(const Measurement<S>& y) noexcept {
+  void predict(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     const int m = moving(), s = P_.size() - m;
-    x_.head(m) += driven(x_.tail(s));
+    const Mat3N<S>& D_B = y.axes.of(vehicle.D_B);
+    x_.head(m) += driven(D_B, x_.tail(s));
     x_.template head<3>() -=
-        S(0.5) *
-        (dt_J_inv_ * (gyroscopic(omega_, h_B_) + gyroscopic(y.omega_BN_B, y.axes.momentum_B(vehicle_.D_B, y.h_w))));
+        S(0.5) * (dt_J_inv_ * (gyroscopic(vehicle.J_B, omega_, h_B_) +
+                               gyroscopic(vehicle.J_B, y.omega_BN_B, y.axes.momentum_B(vehicle.D_B, y.h_w))));
 
     const Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic, 0, most_driving, most_driving> P_ss =
         P_.lower().bottomRightCorner(s, s).template selfadjointView<Eigen::Lower>();
@@ -298,29 +303,27 @@ class JointKalmanObserver {
         step.col(h(k)) = -dt_ * (shown_u_[i] * P_ss.col(i) + P_ss.col(n_ + k));
         ++k;
       }
-      for (int axis = 0; axis < 3; ++axis) torque_B.col(axis) += vehicle_.D_B(axis, i) * delivered;
+      for (int axis = 0; axis < 3; ++axis) torque_B.col(axis) += D_B(axis, i) * delivered;
     }
     step.template leftCols<3>() = torque_B.lazyProduct(dt_J_inv_.transpose());
     for (int c = 0; c < m; ++c) {
       const Driving half = P_.lower().col(c).tail(s) + S(0.5) * step.col(c);
-      const Moving moved = driven(half);
+      const Moving moved = driven(D_B, half);
       for (int r = 0; r < m; ++r) P_.lower()(std::max(r, c), std::min(r, c)) += r == c ? S(2) * moved[r] : moved[r];
     }
     P_.lower().block(m, 0, s, m) += step;
   }
 
-  Vec3<S> gyroscopic(const Vec3<S>& omega, const Vec3<S>& h_B) const noexcept {
-    return omega.cross(vehicle_.J_B * omega + h_B);
+  static Vec3<S> gyroscopic(const Mat3<S>& J_B, const Vec3<S>& omega, const Vec3<S>& h_B) noexcept {
+    return omega.cross(J_B * omega + h_B);
   }
 
-  void turn(const Measurement<S>& y) noexcept {
-    if (!y.axes.move()) return;
-    vehicle_.D_B = y.axes.D_B;
-    dt_J_inv_D_ = dt_J_inv_.lazyProduct(vehicle_.D_B);
+  void turn(const Axes<S>& axes) noexcept {
+    if (axes.move()) dt_J_inv_D_ = dt_J_inv_.lazyProduct(axes.D_B);
   }
 
   /// Process noise. A step of the command appears a little late in the rate, and as a torque where the inertia is off.
-  void age(const VecN<S>& du, const VecN<S>& shown_du) noexcept {
+  void age(const Mat3N<S>& D_B, const VecN<S>& du, const VecN<S>& shown_du) noexcept {
     Vec3<S> step_B = Vec3<S>::Zero();
     for (int i = 0, k = 0; i < n_; ++i) {
       unrest_[i] /= S(1) + dt_ / S(60);
@@ -330,7 +333,7 @@ class JointKalmanObserver {
         P_.variance(b(k++)) += square(params_.q_b * u_max_[i]) * dt_;
       }
       for (int axis = 0; axis < 3; ++axis) P_.variance(axis) += square(params_.timing * dt_J_inv_D_(axis, i) * du[i]);
-      step_B += vehicle_.D_B.col(i) * (x_[e(i)] * du[i]);
+      step_B += D_B.col(i) * (x_[e(i)] * du[i]);
     }
     for (int axis = 0; axis < 3; ++axis)
       P_.variance(d(axis)) += square(params_.q_d * usable_) * dt_ + square(params_.inertia_error * step_B[axis]);
@@ -341,7 +344,7 @@ class JointKalmanObserver {
   void widen_effectiveness(int i, S growth) noexcept { P_.variance(e(i)) += room(i, growth); }
 
   /// Innovations that noise does not explain: something changed, and what may have is uncertain again.
-  void open(const Measurement<S>& y) noexcept {
+  void open(const Mat3N<S>& D_B, const Measurement<S>& y) noexcept {
     bool body = false;
     Mask wheels;
     if (rate_known_ && y.rate_valid) {
@@ -358,13 +361,13 @@ class JointKalmanObserver {
         wheels.set(i, momentum_gates_[static_cast<std::size_t>(i)].exceeded(z, params_.gate));
       }
     }
-    for (int axis = 0; body && axis < 3; ++axis) open(d(axis), square(S(0.2) * usable_));
+    for (int axis = 0; body && axis < 3; ++axis) open(D_B, d(axis), square(S(0.2) * usable_));
     for (int i = 0, k = 0; i < n_; ++i) {
       const bool wheel = wheels_.test(i);
       if (wheel ? wheels.test(i) : body && std::abs(u_[i]) > S(0.02) * u_max_[i]) {
         unrest_[i] += wheel ? S(1) : S(0.3);  // the body names no torquer
-        open(e(i), room(i, square(S(0.5))));
-        if (wheel) open(b(k), square(S(0.3) * u_max_[i]));
+        open(D_B, e(i), room(i, square(S(0.5))));
+        if (wheel) open(D_B, b(k), square(S(0.3) * u_max_[i]));
       }
       k += wheel ? 1 : 0;
     }
@@ -372,10 +375,10 @@ class JointKalmanObserver {
   }
 
   /// Variance `v` more of a state, as if it had been there before the interval.
-  void open(int state, S v) noexcept {
+  void open(const Mat3N<S>& D_B, int state, S v) noexcept {
     Vector column = Vector::Zero(P_.size());
     column[state] = S(1);
-    column.head(moving()) = driven(column.tail(P_.size() - moving()));
+    column.head(moving()) = driven(D_B, column.tail(P_.size() - moving()));
     P_.widen(column, v);
   }
 
@@ -439,25 +442,26 @@ class JointKalmanObserver {
     for (int axis = 0; axis < 3; ++axis) x_[d(axis)] = std::clamp(x_[d(axis)], S(-10) * usable_, S(10) * usable_);
   }
 
-  void remember(const Measurement<S>& y) noexcept {
+  void remember(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     omega_1_ = omega_;
     h_w_1_ = h_w_;
     omega_ = y.omega_BN_B;
     h_w_ = y.h_w;
-    h_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
+    h_B_ = y.axes.momentum_B(vehicle.D_B, y.h_w);
     rates_ = y.rate_valid ? std::min(rates_ + 1, 2) : 0;
     momenta_ = y.momentum_valid ? std::min(momenta_ + 1, 2) : 0;
   }
 
   /// The effectiveness that is issued, and in d_B all that it leaves over.
-  Estimate<S> estimate(const Measurement<S>& y) const noexcept {
+  Estimate<S> estimate(const Vehicle<S>& vehicle, const Measurement<S>& y) const noexcept {
     Estimate<S> out = Estimate<S>::healthy(y);
+    const Mat3N<S>& D_B = y.axes.of(vehicle.D_B);
     out.d_B = x_.template tail<3>();
-    issue_effectiveness<S>(out, x_.segment(e(0), n_), params_.e_min, S(1), vehicle_.D_B, u_);
+    issue_effectiveness<S>(out, x_.segment(e(0), n_), params_.e_min, S(1), D_B, u_);
     for (int i = 0, k = 0; i < n_; ++i) {
       const bool wheel = wheels_.test(i);
       const S issued = out.effectiveness[i];
-      if (wheel) out.d_B += vehicle_.D_B.col(i) * x_[b(k++)];
+      if (wheel) out.d_B += D_B.col(i) * x_[b(k++)];
       const S spread = S(2.5) * std::sqrt(P_.variance(e(i)));
       const S half = wheel ? spread + S(0.005) : S(1.6) * spread + params_.inertia_error * issued;
       if (half <= params_.unknown_above) out.effectiveness_bound[i] = half / issued;
@@ -465,7 +469,6 @@ class JointKalmanObserver {
     return out;
   }
 
-  Vehicle<S> vehicle_;
   Params params_;
   Mask wheels_;  ///< whose momentum is read
   S dt_;

@@ -91,8 +91,7 @@ class LearningDisturbanceObserver {
   }
 
   LearningDisturbanceObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        dt_(setup.dt),
+      : dt_(setup.dt),
         params_(params),
         J_inv_(setup.vehicle.J_B.inverse()),
         hold_(params.form == Form::held ? periods(setup, params) : 1),
@@ -101,33 +100,34 @@ class LearningDisturbanceObserver {
         memory_(params.form == Form::held ? 1 : periods(setup, params), Learned{}) {}
 
   /// First sample: nothing is remembered.
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     memory_.fill(Learned{});
     f_hat_.setZero();
     e_ = params_.start == Start::measured ? Vec3<S>(Vec3<S>::Zero()) : y.omega_BN_B;
     age_ = 0;
-    remember(y);
+    remember(vehicle, y);
     learn();
-    return estimate(y);
+    return estimate(vehicle, y);
   }
 
   /// Every later sample: e has moved by the exact solution over the interval just ended, for its mean acceleration.
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
     const Vec3<S> before_B = known_B_, change = y.omega_BN_B - omega_;
-    remember(y);
-    const Vec3<S> explained_B = S(0.5) * (before_B + known_B_) + torque<S>(y.axes.of(vehicle_.D_B), last.u);
+    remember(vehicle, y);
+    const Vec3<S> explained_B = S(0.5) * (before_B + known_B_) + torque<S>(y.axes.of(vehicle.D_B), last.u);
     e_ = decay_ * e_ + gain_ * (change / dt_ - J_inv_ * explained_B - f_hat_);
     if (++age_ == hold_) {
       age_ = 0;
       learn();
     }
-    return estimate(y);
+    return estimate(vehicle, y);
   }
 
   /// Nothing is learned: e stays, and the learning interval waits.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
-    remember(y);
-    return estimate(y);
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>&) noexcept {
+    remember(vehicle, y);
+    return estimate(vehicle, y);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.
@@ -154,19 +154,18 @@ class LearningDisturbanceObserver {
     memory_.push({f_hat_, e_});
   }
 
-  void remember(const Measurement<S>& y) noexcept {
+  void remember(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     omega_ = y.omega_BN_B;
-    known_B_ = known_torque<S>(vehicle_, y.euler.angles, y.omega_BN_B, y.axes.momentum_B(vehicle_.D_B, y.h_w));
+    known_B_ = known_torque<S>(vehicle, y.euler.angles, y.omega_BN_B, y.axes.momentum_B(vehicle.D_B, y.h_w));
   }
 
-  Estimate<S> estimate(const Measurement<S>& y) noexcept {
-    if (age_ == 0) d_B_ = vehicle_.J_B * f_hat_;
+  Estimate<S> estimate(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    if (age_ == 0) d_B_ = vehicle.J_B * f_hat_;
     Estimate<S> x = Estimate<S>::healthy(y);
     x.d_B = d_B_;
     return x;
   }
 
-  Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   Mat3<S> J_inv_;

@@ -93,27 +93,29 @@ class LearningEffectivenessObserver {
   }
 
   /// First sample: no interval has passed, so nothing is learned; healthy, and not known to be.
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
-    predict_.start(y);
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    predict_.start(vehicle, y);
     effectiveness_.setOnes();
     confidence_.start();
-    return estimate(y, VecN<S>::Zero(effectiveness_.size()));
+    return estimate(vehicle, y, VecN<S>::Zero(effectiveness_.size()));
   }
 
   /// Every later sample. The regressor is the command that acted over the interval just ended.
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
     const Vec3<S> before = predict_.error();
-    const Vec3<S>& error = predict_.step(y, effectiveness_, last.u);
-    learn(J_over_dt_ * (error - before) + predict_.injection_B(), last.u);
+    const Vec3<S>& error = predict_.step(vehicle, y, effectiveness_, last.u);
+    learn(y.axes.of(vehicle.D_B), J_over_dt_ * (error - before) + predict_.injection_B(), last.u);
     predict_.correct(params_.M.cwiseProduct(error) + params_.n * sgn(error));
-    return estimate(y, last.u);
+    return estimate(vehicle, y, last.u);
   }
 
   /// Nothing is learned, and with the time that passed something is forgotten.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    predict_.skip(y);
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    predict_.skip(vehicle, y);
     confidence_.grow();
-    return estimate(y, last.u);
+    return estimate(vehicle, y, last.u);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.
@@ -127,9 +129,9 @@ class LearningEffectivenessObserver {
   }
 
  private:
-  void learn(const Vec3<S>& residual_B, const VecN<S>& u) noexcept {
+  void learn(const Mat3N<S>& D_B, const Vec3<S>& residual_B, const VecN<S>& u) noexcept {
     confidence_.grow();
-    Mat3N<S> V = predict_.D_B();
+    Mat3N<S> V = D_B;
     bool excited = false;
     for (int i = 0; i < V.cols(); ++i) {
       const bool moves = std::abs(u[i]) > params_.u_exc;
@@ -152,9 +154,9 @@ class LearningEffectivenessObserver {
     confidence_.learn(K_transposed, V, (S(2) - params_.kappa) / params_.kappa);
   }
 
-  Estimate<S> estimate(const Measurement<S>& y, const VecN<S>& u) const noexcept {
+  Estimate<S> estimate(const Vehicle<S>& vehicle, const Measurement<S>& y, const VecN<S>& u) const noexcept {
     Estimate<S> x = Estimate<S>::healthy(y);
-    issue_effectiveness<S>(x, effectiveness_, params_.e_min, S(1), predict_.D_B(), u);
+    issue_effectiveness<S>(x, effectiveness_, params_.e_min, S(1), y.axes.of(vehicle.D_B), u);
     for (int i = 0; i < effectiveness_.size(); ++i) {
       const S half = confidence_.half_width(i);
       if (half < params_.unknown_above && x.effectiveness[i] > S(0))

@@ -91,21 +91,22 @@ class LearningEffectivenessPrintedObserver {
         past_(static_cast<int>(std::lround(params.delay / setup.dt)), healthy(setup.vehicle.actuators())) {}
 
   /// First sample: before it the estimate was one and the rate error zero. The printed recursion already applies.
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
-    predict_.start(y);
-    const int n = static_cast<int>(predict_.D_B().cols());
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    predict_.start(vehicle, y);
+    const int n = vehicle.actuators();
     past_.fill(healthy(n));
-    return learn(y, VecN<S>::Zero(n));
+    return learn(vehicle, y, VecN<S>::Zero(n));
   }
 
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    predict_.step(y, effectiveness_, last.u);
-    return learn(y, last.u);
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    predict_.step(vehicle, y, effectiveness_, last.u);
+    return learn(vehicle, y, last.u);
   }
 
   /// Nothing is learned.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
-    predict_.skip(y);
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>&) noexcept {
+    predict_.skip(vehicle, y);
     return estimate(y);
   }
 
@@ -121,14 +122,15 @@ class LearningEffectivenessPrintedObserver {
   };
   static Past healthy(int n) noexcept { return {VecN<S>::Ones(n), Vec3<S>::Zero()}; }
 
-  Estimate<S> learn(const Measurement<S>& y, const VecN<S>& u) noexcept {
+  Estimate<S> learn(const Vehicle<S>& vehicle, const Measurement<S>& y, const VecN<S>& u) noexcept {
+    const Mat3N<S>& D_B = y.axes.of(vehicle.D_B);
     const Vec3<S>& error = predict_.error();
     const Past& past = past_.oldest();
     const Vec3<S> lesson = params_.H1.cwiseProduct(error) + params_.H2.cwiseProduct(past.error);
     const VecN<S> earlier = past.effectiveness;
     effectiveness_.resize(earlier.size());
     for (Eigen::Index i = 0; i < earlier.size(); ++i) {
-      const S pull = predict_.D_B().col(i).dot(lesson);
+      const S pull = D_B.col(i).dot(lesson);
       S e = params_.l * earlier[i] + pull;
       if (params_.direction == Direction::command)
         e = std::abs(u[i]) > params_.u_exc ? params_.l * earlier[i] + sgn(u[i]) * pull : earlier[i];

@@ -80,32 +80,29 @@ class MixedLearningDisturbanceObserver {
   }
 
   MixedLearningDisturbanceObserver(Unchecked, const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        dt_(setup.dt),
-        params_(params),
-        J_inv_(setup.vehicle.J_B.inverse()),
-        learning_(params.learning()) {}
+      : dt_(setup.dt), params_(params), J_inv_(setup.vehicle.J_B.inverse()), learning_(params.learning()) {}
 
   /// First sample: the learning starts with the first error, which is zero unless the rate starts at zero.
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept {
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     learning_.reset();
     omega_hat_ = params_.start == Start::measured ? y.omega_BN_B : Vec3<S>(Vec3<S>::Zero());
-    return learn(y);
+    return learn(vehicle, y);
   }
 
   /// Every later sample: over the interval just ended `last.u` was held.
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>& last) noexcept {
-    const Vec3<S> gyro_B = omega_hat_.cross(vehicle_.J_B * omega_hat_ + h_w_B_);
-    const Vec3<S> sum = torque<S>(y.axes.of(vehicle_.D_B), last.u) - gyro_B + learning_.learnt() + params_.K1 * error_ +
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>& vehicle, const Measurement<S>& y,
+                                 const Allocation<S>& last) noexcept {
+    const Vec3<S> gyro_B = omega_hat_.cross(vehicle.J_B * omega_hat_ + h_w_B_);
+    const Vec3<S> sum = torque<S>(y.axes.of(vehicle.D_B), last.u) - gyro_B + learning_.learnt() + params_.K1 * error_ +
                         params_.theta1 * layer(error_, params_.width);
     omega_hat_ += dt_ * (J_inv_ * sum);
-    return learn(y);
+    return learn(vehicle, y);
   }
 
   /// Nothing is learned: the error stays, the prediction moves with the rate.
-  [[nodiscard]] Estimate<S> skip(const Measurement<S>& y, const Allocation<S>&) noexcept {
+  [[nodiscard]] Estimate<S> skip(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>&) noexcept {
     omega_hat_ = y.omega_BN_B - error_;
-    h_w_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
+    h_w_B_ = y.axes.momentum_B(vehicle.D_B, y.h_w);
     return estimate(y);
   }
 
@@ -119,9 +116,9 @@ class MixedLearningDisturbanceObserver {
   }
 
  private:
-  Estimate<S> learn(const Measurement<S>& y) noexcept {
+  Estimate<S> learn(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     error_ = y.omega_BN_B - omega_hat_;
-    h_w_B_ = y.axes.momentum_B(vehicle_.D_B, y.h_w);
+    h_w_B_ = y.axes.momentum_B(vehicle.D_B, y.h_w);
     learning_.update(error_);
     return estimate(y);
   }
@@ -132,7 +129,6 @@ class MixedLearningDisturbanceObserver {
     return x;
   }
 
-  Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   Mat3<S> J_inv_;

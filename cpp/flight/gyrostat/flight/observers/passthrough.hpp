@@ -22,8 +22,10 @@ class PassthroughObserver {
 
   PassthroughObserver(Unchecked, const Setup<S>&, const Params&) noexcept {}
 
-  [[nodiscard]] Estimate<S> start(const Measurement<S>& y) noexcept { return Estimate<S>::healthy(y); }
-  [[nodiscard]] Estimate<S> step(const Measurement<S>& y, const Allocation<S>&) noexcept {
+  [[nodiscard]] Estimate<S> start(const Vehicle<S>&, const Measurement<S>& y) noexcept {
+    return Estimate<S>::healthy(y);
+  }
+  [[nodiscard]] Estimate<S> step(const Vehicle<S>&, const Measurement<S>& y, const Allocation<S>&) noexcept {
     return Estimate<S>::healthy(y);
   }
 

@@ -63,23 +63,24 @@ class OptimalAllocator {
   static constexpr S effectiveness_floor(const OptimalAllocatorParams<S>& p) noexcept { return p.e_min; }
 
   /// The previous command is zero again (or the limit nearest to it), the warm start forgotten.
-  void reset() noexcept {
+  void reset(const Vehicle<S>& vehicle) noexcept {
     state_.reset();
-    u_ = clip<S>(VecN<S>::Zero(vehicle_.actuators()), vehicle_.u_lo, vehicle_.u_up);
+    u_ = clip<S>(VecN<S>::Zero(vehicle.actuators()), vehicle.u_lo, vehicle.u_up);
     geometry_.reset();
   }
 
-  [[nodiscard]] Allocation<S> step(const Demand<S>& demand, const Estimate<S>& x, const Detection<S>& det) noexcept {
-    use(det.enabled.without(det.failed), x);
-    pose(demand, x);
+  [[nodiscard]] Allocation<S> step(const Vehicle<S>& vehicle, const Demand<S>& demand, const Estimate<S>& x,
+                                   const Detection<S>& det) noexcept {
+    use(x.axes.of(vehicle.D_B), det.enabled.without(det.failed), x);
+    pose(vehicle, demand, x);
     state_.command = u_;
     solution_ = solver_.solve(problem_, state_);
 
     Allocation<S> out;
     out.u = solution_.command;
     out.demand_B = demand.tau_B;
-    out.achieved_B = torque<S>(x.axes.of(vehicle_.D_B), x.effectiveness.cwiseProduct(out.u));
-    for (int i = 0; i < vehicle_.actuators(); ++i)
+    out.achieved_B = torque<S>(x.axes.of(vehicle.D_B), x.effectiveness.cwiseProduct(out.u));
+    for (int i = 0; i < vehicle.actuators(); ++i)
       out.saturated.set(i, usable_.test(i) && (solution_.saturated >> i & 1u) != 0u);
     out.worst_case = solution_.worst_case;
     out.gap = has_weight() ? solution_.gap : solution_.residual_excess;
@@ -91,15 +92,12 @@ class OptimalAllocator {
 
  protected:
   OptimalAllocator(const Setup<S>& setup, const OptimalAllocatorParams<S>& params, AllocationMode mode) noexcept
-      : vehicle_(setup.vehicle),
-        du_max_(setup.vehicle.u_rate * setup.dt),
-        params_(params),
-        geometry_(params.e_min, params.rank_tolerance) {
-    problem_ = Problem::symmetric(vehicle_.actuators(), S(0));
+      : du_max_(setup.vehicle.u_rate * setup.dt), params_(params), geometry_(params.e_min, params.rank_tolerance) {
+    problem_ = Problem::symmetric(setup.vehicle.actuators(), S(0));
     problem_.mode = mode;
     problem_.effectiveness_min = S(0);  // decided with the geometry
     problem_.max_newton = params.max_newton;
-    reset();
+    reset(setup.vehicle);
   }
 
   /// Residual weights have the unit of 1 / D^2: the strongest actuator's torque axis sets it.
@@ -127,11 +125,10 @@ class OptimalAllocator {
   }
 
   /// The axes of the usable actuators, as far as they are served. What is dropped is gone from both sides of the problem.
-  void use(Mask usable, const Estimate<S>& x) noexcept {
-    const int n = vehicle_.actuators(), rank = geometry_.rank();
+  void use(const Mat3N<S>& D_B, Mask usable, const Estimate<S>& x) noexcept {
+    const int n = static_cast<int>(D_B.cols()), rank = geometry_.rank();
     VecN<S> e(n);
     for (int i = 0; i < n; ++i) e[i] = usable.test(i) ? std::clamp(x.effectiveness[i], S(0), S(1)) : S(0);
-    const Mat3N<S>& D_B = x.axes.of(vehicle_.D_B);
     if (!geometry_.update(D_B, usable, e, x.axes.revision)) return;
     const bool changed = !(usable == usable_) || geometry_.rank() != rank || !state_.valid;
     if (!changed && x.axes.revision == revision_ && rank == 3) return;
@@ -143,11 +140,11 @@ class OptimalAllocator {
     if (changed) state_.valid = false;
   }
 
-  void pose(const Demand<S>& demand, const Estimate<S>& x) noexcept {
+  void pose(const Vehicle<S>& vehicle, const Demand<S>& demand, const Estimate<S>& x) noexcept {
     problem_.demand = geometry_.served(demand.tau_B);
     const S rounding = S(64) * Eigen::NumTraits<S>::epsilon();
     ignored_ = (demand.tau_B - problem_.demand).norm() > rounding * demand.tau_B.norm();
-    for (int i = 0; i < vehicle_.actuators(); ++i) {
+    for (int i = 0; i < vehicle.actuators(); ++i) {
       const bool usable = usable_.test(i);
       const S e = usable ? std::clamp(x.effectiveness[i], S(0), S(1)) : S(0);
       const S bound = std::min(x.effectiveness_bound[i], params_.bound_cap), spread = bound * e;
@@ -156,7 +153,7 @@ class OptimalAllocator {
       problem_.preferred[i] = usable && demand.u_pref.size() != 0 ? demand.u_pref[i] : S(0);
       problem_.effort_weight[i] = params_.effort_weight[i] + params_.uncertainty_weight * spread * spread;
       const S share = params_.bound_policy == BoundPolicy::derated && usable ? e : S(1);
-      limit(i, limited(vehicle_.u_lo[i], share), limited(vehicle_.u_up[i], share));
+      limit(i, limited(vehicle.u_lo[i], share), limited(vehicle.u_up[i], share));
     }
   }
 
@@ -178,7 +175,6 @@ class OptimalAllocator {
     return f;
   }
 
-  Vehicle<S> vehicle_;
   VecN<S> du_max_;  ///< N m a sample
   OptimalAllocatorParams<S> params_;
   ServedGeometry<S> geometry_;

@@ -63,17 +63,16 @@ struct MrpMotion {
 template <class S>
 class MrpSurface {
  public:
-  MrpSurface(const Vehicle<S>& vehicle, const MrpSurfaceParams<S>& params) noexcept
-      : vehicle_(vehicle),
-        J_inv_(vehicle.J_B.inverse()),
-        scale_(S(4) * vehicle.J_B.trace() / S(3)),
+  MrpSurface(const Setup<S>& setup, const MrpSurfaceParams<S>& params) noexcept
+      : J_inv_(setup.vehicle.J_B.inverse()),
+        scale_(S(4) * setup.vehicle.J_B.trace() / S(3)),
         params_(params),
         set_(params.shadow_switch) {}
 
   void start() noexcept { set_.start(); }
 
-  MrpMotion<S> motion(const Estimate<S>& x, const Reference<S>& ref) noexcept {
-    const Tracking<S> error = track(vehicle_, x, ref, set_);
+  MrpMotion<S> motion(const Vehicle<S>& vehicle, const Estimate<S>& x, const Reference<S>& ref) noexcept {
+    const Tracking<S> error = track(vehicle, x, ref, set_);
     MrpMotion<S> m;
     m.z1 = error.sigma_BR;
     m.error_B = error.omega_BR_B;
@@ -86,16 +85,16 @@ class MrpSurface {
   }
 
   /// N m.
-  Vec3<S> torque_B(const MrpMotion<S>& m, const Vec3<S>& s, const Vec3<S>& wanted, const Vec3<S>& d_B) const noexcept {
+  Vec3<S> torque_B(const Vehicle<S>& vehicle, const MrpMotion<S>& m, const Vec3<S>& s, const Vec3<S>& wanted,
+                   const Vec3<S>& d_B) const noexcept {
     Vec3<S> along = s;
     if (params_.direction == SwitchingDirection::matched)
       along = scale_ * (J_inv_ * (m.G.transpose() * s));  // s for small angles
     const Vec3<S> shape = m.G_inv * (m.G_rate * m.error_B + wanted);
-    return m.given_B - params_.k_s * layer(along, params_.phi) - vehicle_.J_B * shape - d_B;
+    return m.given_B - params_.k_s * layer(along, params_.phi) - vehicle.J_B * shape - d_B;
   }
 
  private:
-  Vehicle<S> vehicle_;
   Mat3<S> J_inv_;
   S scale_;
   MrpSurfaceParams<S> params_;

@@ -24,23 +24,22 @@ class TorqueEvidence {
 
   TorqueEvidence() noexcept = default;
   /// @param disturbance  N m, rms of a torque that is not looked at
-  TorqueEvidence(const Mat3N<S>& D_B, int block, S disturbance) noexcept
-      : D_B_(D_B), block_(block), disturbance_(disturbance) {
+  TorqueEvidence(int actuators, int block, S disturbance) noexcept
+      : actuators_(actuators), block_(block), disturbance_(disturbance) {
     forget();
   }
 
   void forget() noexcept {
     size_ = newest_ = count_ = agreed_ = 0;
     candidate_ = -1;
-    u_sum_ = VecN<S>::Zero(D_B_.cols());
+    u_sum_ = VecN<S>::Zero(actuators_);
     l_sum_.setZero();
   }
 
   /// One sample. @return whether a block has ended
-  bool sample(const Estimate<S>& x, const VecN<S>& u) noexcept {
-    if (x.axes.move()) D_B_ = x.axes.D_B;
+  bool sample(const Mat3N<S>& D_B, const Estimate<S>& x, const VecN<S>& u) noexcept {
     const VecN<S> missing = (x.effectiveness.array() - S(1)).matrix().cwiseProduct(u);
-    l_sum_ += torque<S>(D_B_, missing) + x.d_B;
+    l_sum_ += torque<S>(D_B, missing) + x.d_B;
     u_sum_ += u;
     if (++count_ < block_) return false;
     newest_ = (newest_ + 1) % capacity;
@@ -54,18 +53,18 @@ class TorqueEvidence {
   }
 
   /// Gain of an actuator that is known as faulty, from blocks that began after `forget`; as it was while they say little.
-  S gain_of(int i, Mask faulty, S before) const noexcept {
+  S gain_of(const Mat3N<S>& D_B, int i, Mask faulty, S before) const noexcept {
     if (size_ < capacity) return before;
     faulty.set(i, false);
-    const Fit fit = fitted(i, beyond<S>(D_B_, faulty));
+    const Fit fit = fitted(D_B, i, beyond<S>(D_B, faulty));
     const bool told = fit.moved > S(capacity) * disturbance_ * disturbance_;
     return told ? std::clamp(S(1) + fit.along / fit.moved, S(0), S(1)) : before;
   }
 
   /// Of the blocks so far. @param watched  who may be named @param faulty  who is known as faulty
-  Answer judge(Mask watched, Mask faulty) noexcept {
+  Answer judge(const Mat3N<S>& D_B, Mask watched, Mask faulty) noexcept {
     if (size_ < capacity) return {};
-    const Answer now = best(watched.without(faulty), beyond<S>(D_B_, faulty));
+    const Answer now = best(D_B, watched.without(faulty), beyond<S>(D_B, faulty));
     agreed_ = now.actuator >= 0 && now.actuator == candidate_ ? agreed_ + 1 : 1;
     candidate_ = now.actuator;
     return now.actuator >= 0 && agreed_ >= running ? now : Answer{};
@@ -82,8 +81,8 @@ class TorqueEvidence {
     return mean;
   }
 
-  Fit fitted(int i, const Mat3<S>& P) const noexcept {
-    const Vec3<S> l_mean = mean_torque(), axis = P * D_B_.col(i);
+  Fit fitted(const Mat3N<S>& D_B, int i, const Mat3<S>& P) const noexcept {
+    const Vec3<S> l_mean = mean_torque(), axis = P * D_B.col(i);
     S u_mean = S(0);
     for (int k = 0; k < capacity; ++k) u_mean += command_[k][i] / S(capacity);
     Fit fit;
@@ -95,16 +94,16 @@ class TorqueEvidence {
     return fit;
   }
 
-  Answer best(Mask watched, const Mat3<S>& P) const noexcept {
+  Answer best(const Mat3N<S>& D_B, Mask watched, const Mat3<S>& P) const noexcept {
     const Vec3<S> l_mean = mean_torque();
     S total = S(0);
     for (int k = 0; k < capacity; ++k) total += (P * (torque_[k] - l_mean)).squaredNorm();
     if (!(total > S(capacity) * disturbance_ * disturbance_)) return {};
     Answer answer;
     S left = total, runner_up = total;
-    for (int i = 0; i < static_cast<int>(D_B_.cols()); ++i) {
+    for (int i = 0; i < actuators_; ++i) {
       if (!watched.test(i)) continue;
-      const auto [along, moved] = fitted(i, P);
+      const auto [along, moved] = fitted(D_B, i, P);
       if (!(moved > S(0))) continue;
       const S rest = total - along * along / moved;
       if (rest < left) {
@@ -122,7 +121,7 @@ class TorqueEvidence {
     return answer;
   }
 
-  Mat3N<S> D_B_{3, 0};
+  int actuators_ = 0;
   int block_ = 1;
   S disturbance_ = S(0);
   Vec3<S> torque_[capacity];

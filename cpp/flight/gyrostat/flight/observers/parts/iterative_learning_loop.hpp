@@ -91,20 +91,19 @@ class IterativeLearningLoop {
   using Params = IterativeLearningParams<S>;
 
   IterativeLearningLoop(const Setup<S>& setup, const Params& params) noexcept
-      : vehicle_(setup.vehicle),
-        dt_(setup.dt),
+      : dt_(setup.dt),
         params_(params),
         J_inv_(setup.vehicle.J_B.inverse()),
         e_(VecN<S>::Ones(setup.vehicle.actuators())),
         past_e_(params.delay, e_),
         past_error_(params.delay, Vec3<S>::Zero()) {}
 
-  void start(const Measurement<S>& y) noexcept {
+  void start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     omega_ = y.omega_BN_B;
-    turn(y);
+    h_w_ = y.h_w;
     error_.setZero();
     e_.setOnes();
-    u_.setZero(vehicle_.actuators());
+    u_.setZero(vehicle.actuators());
     seen_ = Mask{};
     past_e_.fill(e_);
     past_error_.fill(error_);
@@ -114,20 +113,21 @@ class IterativeLearningLoop {
   void skip(const Measurement<S>& y, const Allocation<S>& last) noexcept {
     omega_ = y.omega_BN_B - error_;
     u_ = last.u;
-    turn(y);
+    h_w_ = y.h_w;
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.
   void shift_rate(const Vec3<S>& step) noexcept { omega_ += step; }
 
   /// First half: the rate observer over the interval just ended, by the midpoint rule. Returns |w~|.
-  S observe(const Measurement<S>& y, const Allocation<S>& last, const LearningGains<S>& k, S layer_width) noexcept {
+  S observe(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>& last, const LearningGains<S>& k,
+            S layer_width) noexcept {
     const VecN<S> before = h_w_;
-    turn(y);
-    const Vec3<S> tau_B = torque<S>(vehicle_.D_B, e_.cwiseProduct(last.u)) + vehicle_.J_B * (k.k1 * error_) +
+    h_w_ = y.h_w;
+    const Vec3<S> tau_B = torque<S>(y.axes.of(vehicle.D_B), e_.cwiseProduct(last.u)) + vehicle.J_B * (k.k1 * error_) +
                           k.k2 * layer(error_, layer_width);
-    const Vec3<S> h_w_B = y.axes.momentum_B(vehicle_.D_B, S(0.5) * (before + h_w_));
-    const auto rate = [&](const Vec3<S>& w) -> Vec3<S> { return J_inv_ * (tau_B - w.cross(vehicle_.J_B * w + h_w_B)); };
+    const Vec3<S> h_w_B = y.axes.momentum_B(vehicle.D_B, S(0.5) * (before + h_w_));
+    const auto rate = [&](const Vec3<S>& w) -> Vec3<S> { return J_inv_ * (tau_B - w.cross(vehicle.J_B * w + h_w_B)); };
     const Vec3<S> middle = omega_ + dt_ / S(2) * rate(omega_);
     omega_ += dt_ * rate(middle);
     u_ = last.u;
@@ -136,12 +136,13 @@ class IterativeLearningLoop {
   }
 
   /// Second half: the error becomes effectiveness, of those actuators that pushed.
-  void learn(const Allocation<S>& last, S k4) noexcept {
-    const Vec3<S> y_B = vehicle_.J_B * (k4 * error_ + params_.k5 * past_error_.oldest());
-    const Mask informative = excited(vehicle_.D_B, last.u, params_.u_gate).without(params_.frozen);
-    const VecN<S> change = explaining_change(vehicle_.D_B, last.u, informative, params_.u_reg, y_B);
+  void learn(const Vehicle<S>& vehicle, const Measurement<S>& y, const Allocation<S>& last, S k4) noexcept {
+    const Vec3<S> y_B = vehicle.J_B * (k4 * error_ + params_.k5 * past_error_.oldest());
+    const Mat3N<S>& D_B = y.axes.of(vehicle.D_B);
+    const Mask informative = excited(D_B, last.u, params_.u_gate).without(params_.frozen);
+    const VecN<S> change = explaining_change(D_B, last.u, informative, params_.u_reg, y_B);
     const VecN<S>& before = past_e_.oldest();
-    for (int i = 0; i < vehicle_.actuators(); ++i) {
+    for (int i = 0; i < vehicle.actuators(); ++i) {
       if (!informative.test(i)) continue;
       const S e = params_.k3 * before[i] + change[i];
       const S least = params_.hand_on ? S(0) : params_.e_min;
@@ -153,10 +154,10 @@ class IterativeLearningLoop {
     past_error_.push(error_);
   }
 
-  Estimate<S> estimate(const Measurement<S>& y) const noexcept {
+  Estimate<S> estimate(const Vehicle<S>& vehicle, const Measurement<S>& y) const noexcept {
     Estimate<S> x = Estimate<S>::healthy(y);
-    issue_effectiveness<S>(x, e_, params_.e_min, params_.e_max, vehicle_.D_B, u_);
-    for (int i = 0; i < vehicle_.actuators(); ++i)
+    issue_effectiveness<S>(x, e_, params_.e_min, params_.e_max, y.axes.of(vehicle.D_B), u_);
+    for (int i = 0; i < vehicle.actuators(); ++i)
       if (seen_.test(i)) x.effectiveness_bound[i] = params_.uncertainty;
     return x;
   }
@@ -164,12 +165,6 @@ class IterativeLearningLoop {
   const Vec3<S>& error() const noexcept { return error_; }
 
  private:
-  void turn(const Measurement<S>& y) noexcept {
-    h_w_ = y.h_w;
-    if (y.axes.move()) vehicle_.D_B = y.axes.D_B;
-  }
-
-  Vehicle<S> vehicle_;
   S dt_;
   Params params_;
   Mat3<S> J_inv_;

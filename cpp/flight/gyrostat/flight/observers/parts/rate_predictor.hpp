@@ -16,36 +16,36 @@ namespace gyrostat {
 template <class S>
 class RatePredictor {
  public:
-  explicit RatePredictor(const Setup<S>& setup) noexcept
-      : D_B_(setup.vehicle.D_B), J_B_(setup.vehicle.J_B), J_inv_(setup.vehicle.J_B.inverse()), dt_(setup.dt) {}
+  explicit RatePredictor(const Setup<S>& setup) noexcept : J_inv_(setup.vehicle.J_B.inverse()), dt_(setup.dt) {}
 
   /// First sample: the prediction begins at the measured rate.
-  void start(const Measurement<S>& y) noexcept {
+  void start(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     omega_hat_ = y.omega_BN_B;
-    turn(y);
+    h_w_B_ = stored_B(vehicle, y);
     error_.setZero();
     injection_B_.setZero();
   }
 
   /// Over the interval just ended, with its estimated effectiveness and issued command. Returns w~, rad/s.
-  const Vec3<S>& step(const Measurement<S>& y, const VecN<S>& effectiveness, const VecN<S>& u) noexcept {
+  const Vec3<S>& step(const Vehicle<S>& vehicle, const Measurement<S>& y, const VecN<S>& effectiveness,
+                      const VecN<S>& u) noexcept {
     const Vec3<S> before_B = h_w_B_;
-    turn(y);
-    const Vec3<S> torque_B = torque<S>(D_B_, effectiveness.cwiseProduct(u)) + injection_B_;
+    h_w_B_ = stored_B(vehicle, y);
+    const Vec3<S> torque_B = torque<S>(y.axes.of(vehicle.D_B), effectiveness.cwiseProduct(u)) + injection_B_;
     const Vec3<S> middle_B = S(0.5) * (before_B + h_w_B_);
-    const Vec3<S> k1 = rate(omega_hat_, torque_B, before_B);
-    const Vec3<S> k2 = rate(omega_hat_ + dt_ / S(2) * k1, torque_B, middle_B);
-    const Vec3<S> k3 = rate(omega_hat_ + dt_ / S(2) * k2, torque_B, middle_B);
-    const Vec3<S> k4 = rate(omega_hat_ + dt_ * k3, torque_B, h_w_B_);
+    const Vec3<S> k1 = rate(vehicle.J_B, omega_hat_, torque_B, before_B);
+    const Vec3<S> k2 = rate(vehicle.J_B, omega_hat_ + dt_ / S(2) * k1, torque_B, middle_B);
+    const Vec3<S> k3 = rate(vehicle.J_B, omega_hat_ + dt_ / S(2) * k2, torque_B, middle_B);
+    const Vec3<S> k4 = rate(vehicle.J_B, omega_hat_ + dt_ * k3, torque_B, h_w_B_);
     omega_hat_ += dt_ / S(6) * (k1 + S(2) * k2 + S(2) * k3 + k4);
     error_ = y.omega_BN_B - omega_hat_;
     return error_;
   }
 
   /// Over an interval that taught nothing: w~ stays, the prediction moves with the rate.
-  void skip(const Measurement<S>& y) noexcept {
+  void skip(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
     omega_hat_ = y.omega_BN_B - error_;
-    turn(y);
+    h_w_B_ = stored_B(vehicle, y);
   }
 
   /// The measured rate has moved by `step`, rad/s, without motion.
@@ -56,20 +56,17 @@ class RatePredictor {
 
   const Vec3<S>& error() const noexcept { return error_; }              ///< rad/s, w~
   const Vec3<S>& injection_B() const noexcept { return injection_B_; }  ///< N m, since the previous sample
-  const Mat3N<S>& D_B() const noexcept { return D_B_; }                 ///< at the latest sample
 
  private:
-  void turn(const Measurement<S>& y) noexcept {
-    h_w_B_ = y.axes.momentum_B(D_B_, y.h_w);
-    if (y.axes.move()) D_B_ = y.axes.D_B;
+  static Vec3<S> stored_B(const Vehicle<S>& vehicle, const Measurement<S>& y) noexcept {
+    return y.axes.momentum_B(vehicle.D_B, y.h_w);
   }
 
-  Vec3<S> rate(const Vec3<S>& omega, const Vec3<S>& torque_B, const Vec3<S>& h_B) const noexcept {
-    return J_inv_ * (torque_B - omega.cross(J_B_ * omega + h_B));
+  Vec3<S> rate(const Mat3<S>& J_B, const Vec3<S>& omega, const Vec3<S>& torque_B, const Vec3<S>& h_B) const noexcept {
+    return J_inv_ * (torque_B - omega.cross(J_B * omega + h_B));
   }
 
-  Mat3N<S> D_B_;
-  Mat3<S> J_B_, J_inv_;
+  Mat3<S> J_inv_;
   S dt_;
   Vec3<S> omega_hat_ = Vec3<S>::Zero();  ///< rad/s
   Vec3<S> h_w_B_ = Vec3<S>::Zero();      ///< N m s, stored at the latest sample
