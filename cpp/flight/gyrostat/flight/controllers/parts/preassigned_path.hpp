@@ -21,7 +21,8 @@ struct PathPoint {
 template <class S>
 class PreassignedPath {
  public:
-  PreassignedPath() noexcept = default;
+  /// At its end.
+  PreassignedPath() noexcept { c_.fill(Vec3<S>::Zero()); }
   /// @param T  s, positive
   PreassignedPath(const PathPoint<S>& start, S T) noexcept : T_(T) {
     // In x = t / T the derivatives at the start are d0, T d1, T^2 d2, and no power of T is left.
@@ -48,7 +49,7 @@ class PreassignedPath {
 
  private:
   S T_ = S(0);
-  std::array<Vec3<S>, 6> c_{};
+  std::array<Vec3<S>, 6> c_;
 };
 
 }  // namespace gyrostat
