@@ -8,6 +8,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT := out/report
 STEP := scripts/step
+BESIDE := nice -n 5 $(STEP)
 FUZZ_SECONDS := 60
 # Debian's names of what is needed.
 FOR_RUN = $(shell scripts/find_python --packages) g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev
@@ -26,7 +27,7 @@ help:  ## this list
 run: debian-run $(VENV)/package.stamp  ## install what is missing, reproduce every paper, leave a report in out/report
 	@$(BIN)/gyrostat reproduce all --out $(OUT)
 
-# Compilers and pytest use every core themselves; what uses one runs beside them.
+# Compilers and pytest use every core themselves; what uses one runs beside them, and yields to them.
 test: debian-make-test  ## the same set-up, then all tests, types, stubs and format
 	@$(MAKE) -j2 cpp lint
 	@$(MAKE) asan $(VENV)/package.stamp
@@ -54,15 +55,15 @@ pytest: debian-test $(VENV)/package.stamp $(VENV)/test.stamp
 	@$(STEP) pytest $(BIN)/pytest -n auto --dist loadfile
 
 types: $(VENV)/test.stamp
-	@$(STEP) mypy $(BIN)/mypy
+	@$(BESIDE) mypy $(BIN)/mypy
 
 stubs-check: $(VENV)/package.stamp $(VENV)/test.stamp
-	@$(STEP) stubs scripts/stubs $(BIN) --check
+	@$(BESIDE) stubs scripts/stubs $(BIN) --check
 
 lint: $(VENV)/test.stamp  ## format and lint, nothing is changed
-	@$(STEP) ruff-check $(BIN)/ruff check
-	@$(STEP) ruff-format $(BIN)/ruff format --check
-	@$(STEP) clang-format $(BIN)/clang-format --dry-run --Werror $(CPP)
+	@$(BESIDE) ruff-check $(BIN)/ruff check
+	@$(BESIDE) ruff-format $(BIN)/ruff format --check
+	@$(BESIDE) clang-format $(BIN)/clang-format --dry-run --Werror $(CPP)
 
 format: $(VENV)/test.stamp  ## format everything
 	@$(BIN)/ruff check --fix --quiet || true
@@ -96,7 +97,7 @@ embedded: debian-embedded $(VENV)/package.stamp  ## exported flight stacks on an
 	@$(BIN)/python scripts/embedded
 
 embedded-short: debian-embedded $(VENV)/package.stamp  ## two of these stacks, as make test flies them
-	@$(STEP) embedded-short $(BIN)/python scripts/embedded li2018 cubesat_6u
+	@$(BESIDE) embedded-short $(BIN)/python scripts/embedded li2018 cubesat_6u
 
 mutants: debian-test $(VENV)/venv.stamp  ## break core and flight in a few hundred places, one at a time: do the C++ tests notice?
 	@nice $(BIN)/python scripts/mutants

@@ -72,7 +72,7 @@ def stacks() -> dict[str, gs.Scenario]:
     used = [components(scenario) for scenario in found.values()]
     found["li2018_hard_sign"] = found["li2018"].replace(**{"controller.switching": "sign", "allow_unstable": True})
     names = {role: sorted(set(_core.catalogue()[role]) - HOST_ONLY) for role in ROLES}
-    left = {role: [n for n in names[role] if n not in {u[role] for u in used}] or names[role] for role in ROLES}
+    left = {role: [n for n in names[role] if n not in {u[role] for u in used}] for role in ROLES}
     base = load("ftc_4rw").replace(
         faults=[gs.faults.LossOfEffectiveness(actuator=2, t_on=5.0, remaining=0.4)],
         initial=gs.Initial(mrp=(0.1, 0.2, -0.3), omega_BN_B=(0.01, -0.02, 0.03)),
@@ -80,7 +80,7 @@ def stacks() -> dict[str, gs.Scenario]:
         allow_unstable=True,
     )
     for i in range(max(map(len, left.values()))):
-        chosen = {role: left[role][i % len(left[role])] for role in ROLES}
+        chosen = {role: left[role][i] for role in ROLES if i < len(left[role])}  # once each: the rest stays the base's
         found[f"mixed_{i}"] = base.replace(**chosen)
     return {name: with_dropouts(scenario) for name, scenario in found.items()}
 
