@@ -69,7 +69,7 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     warnings.simplefilter("once", FutureWarning)  # old names
-    warnings.showwarning = printing.warning
+    warnings.showwarning = lambda message, *_, **__: printing.warning(message)
     warnings.simplefilter("ignore", RuntimeWarning)  # of numpy: what overflows is seen in what is printed
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)

@@ -192,8 +192,8 @@ def complain(text: str, status: int) -> int:
     return status
 
 
-def warning(message: Warning | str, *_: object) -> None:
-    """As `warnings.showwarning`: one line on stderr, without the line of code that the user has not written."""
+def warning(message: Warning | str) -> None:
+    """One line on stderr, without the line of code that the user has not written."""
     with suppress(OSError):
         typer.echo(f"warning: {message}", err=True)
 

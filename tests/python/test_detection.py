@@ -229,7 +229,8 @@ def finding(scenario: gs.Scenario, name: str) -> Finding | None:
 
 
 @pytest.mark.parametrize(
-    "observer", ["iterative_learning", "adaptive_sliding_mode_effectiveness", "learning_effectiveness", "finite_time_disturbance"]
+    "observer",
+    ["iterative_learning", "adaptive_sliding_mode_effectiveness", "learning_effectiveness", "finite_time_disturbance"],
 )
 def test_check_says_what_four_wheels_cannot_show(observer: str) -> None:
     wheels = gs.Scenario.load("ftc_4rw").replace(observer=observer, detector="threshold")

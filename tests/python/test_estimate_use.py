@@ -258,7 +258,13 @@ def test_designs_findings_hold_both_questions() -> None:
 
 
 @pytest.mark.parametrize(
-    "observer", ["adaptive_iterative_learning", "adaptive_sliding_mode_effectiveness", "iterative_learning", "learning_effectiveness"]
+    "observer",
+    [
+        "adaptive_iterative_learning",
+        "adaptive_sliding_mode_effectiveness",
+        "iterative_learning",
+        "learning_effectiveness",
+    ],
 )
 def test_what_the_issued_effectiveness_leaves_over_is_made_up_for(observer: str) -> None:
     # A body a tenth lighter than known answers a ninth more than told: e is 1.11, and 1 is issued. The law has no

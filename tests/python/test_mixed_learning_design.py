@@ -346,7 +346,9 @@ def test_check_prints_every_margin_and_flags_the_published_gains() -> None:
     assert controller == {"m33": True, "r34": True, "m35": True, "m36": True, "schur": True}
     compliant = papers.load("wang2023").cases["mlo_compliant"].scenario
     assert all(f.ok is not False for look in CHECKS for f in look(compliant))
-    default = gs.Scenario.load("ftc_4rw").replace(observer="mixed_learning_disturbance", controller="mixed_learning_sliding_mode")
+    default = gs.Scenario.load("ftc_4rw").replace(
+        observer="mixed_learning_disturbance", controller="mixed_learning_sliding_mode"
+    )
     assert all(f.ok is not False for look in CHECKS for f in look(default))
     assert not [f for f in CHECKS[0](gs.Scenario.load("ftc_4rw")) if "mixed" in f.where]
 

@@ -91,7 +91,10 @@ def test_channels_share_labelled_dimensions(result: gs.Result) -> None:
 
 def test_every_channel_that_can_be_recorded_has_its_dimension(scenario: gs.Scenario) -> None:
     axes = np.array([[1, 0, 0, 0.6, 0.8], [0, 1, 0, 0.8, 0], [0, 0, 1, 0, 0.6]])  # five: no other size
-    for observer, controller in (("adaptive_iterative_learning", "sliding_mode"), ("mixed_learning_disturbance", "mrp_feedback")):
+    for observer, controller in (
+        ("adaptive_iterative_learning", "sliding_mode"),
+        ("mixed_learning_disturbance", "mrp_feedback"),
+    ):
         flown = scenario.replace(
             vehicle=gs.Vehicle(J_B=(3.0, 3.0, 3.0), D_B=axes.tolist(), u_max=1.0).to_dict(),
             observer=observer,

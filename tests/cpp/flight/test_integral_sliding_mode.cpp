@@ -140,9 +140,9 @@ TEST(IntegralSlidingMode, IdentitySurfaceGivesARate) {
   Alone<Law> rate(unchecked, setup, p);
   Measurement<double> y;
   y.h_w = VecN<double>::Zero(4);
-  for (Law* law : {&momentum, &rate}) (void)law->start(Estimate<double>::healthy(y), {}, {});
+  for (Alone<Law>* law : {&momentum, &rate}) (void)law->start(Estimate<double>::healthy(y), {}, {});
   y.omega_BN_B = {1e-3, 1e-3, -2e-3};
-  for (Law* law : {&momentum, &rate})
+  for (Alone<Law>* law : {&momentum, &rate})
     (void)law->step(Estimate<double>::healthy(y), {}, {}, Allocation<double>::idle(4));
   const auto a = telemetry_of(momentum).at("s"), b = telemetry_of(rate).at("s");
   const Vec3<double> scaled = setup.vehicle.J_B * Vec3<double>(b[0], b[1], b[2]);

@@ -43,11 +43,11 @@ constexpr auto joined(const std::array<GyrostatPartSize, n>&... lists) {
 }
 
 /// A navigator's: what it was given, and what it made of it.
-constexpr std::array frames{GyrostatPartSize{nullptr, "frame", frame<double>(), frame<float>()},
-                            GyrostatPartSize{nullptr, "navigation", 2 * padded(sizeof(Measurement<double>)),
-                                             2 * padded(sizeof(Measurement<float>))},
-                            GyrostatPartSize{nullptr, "moving_axes", padded(sizeof(MovingAxes<double>)),
-                                             padded(sizeof(MovingAxes<float>))}};
+constexpr std::array frames{
+    GyrostatPartSize{nullptr, "frame", frame<double>(), frame<float>()},
+    GyrostatPartSize{nullptr, "navigation", 2 * padded(sizeof(Measurement<double>)),
+                     2 * padded(sizeof(Measurement<float>))},
+    GyrostatPartSize{nullptr, "moving_axes", padded(sizeof(MovingAxes<double>)), padded(sizeof(MovingAxes<float>))}};
 constexpr auto parts =
     joined(frames, sizes("navigator", Navigators{}), sizes("observer", Observers{}), sizes("detector", Detectors{}),
            sizes("controller", Controllers{}), sizes("allocator", Allocators{}),

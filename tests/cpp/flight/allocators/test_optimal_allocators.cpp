@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "flight/alone.hpp"
 #include "flight/telemetry_log.hpp"
 #include "flight/vehicles.hpp"
 #include "gyrostat/core/concepts.hpp"
