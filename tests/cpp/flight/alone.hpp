@@ -8,6 +8,7 @@ namespace gyrostat::test {
 template <class T>
 class Alone : public T {
  public:
+  using Component = T;
   using S = typename T::Scalar;
   Alone(Unchecked, const Setup<S>& setup, const typename T::Params& params)
       : T(unchecked, setup, params), vehicle_(setup.vehicle) {}

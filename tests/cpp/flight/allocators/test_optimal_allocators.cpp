@@ -101,7 +101,7 @@ TYPED_TEST(OptimalAllocators, KeepLimitsAndRatesOnARandomWalkOfDemandsAndFaults)
   using S = TypeParam;
   this->setup.vehicle.u_rate.setConstant(S(2));  // 0.02 N m a sample
   this->for_each([&](auto allocator) {
-    static_assert(Allocator<decltype(allocator)>);
+    static_assert(Allocator<typename decltype(allocator)::Component>);
     static_assert(noexcept(allocator.step(std::declval<const Demand<S>&>(), std::declval<const Estimate<S>&>(),
                                           std::declval<const Detection<S>&>())));
     Random random(9);
