@@ -79,8 +79,7 @@ py::dict flight_model(const Compiled& c) {
                          "u_quantum"_a = to_python(host::write(v.u_quantum)),
                          "u_dead"_a = to_python(host::write(v.u_dead)), "u_gap"_a = to_python(host::write(v.u_gap)),
                          "spare"_a = to_python(host::write(v.spare)), "wheels"_a = to_python(host::write(v.wheels)),
-                         "magnetorquers"_a = to_python(host::write(v.magnetorquers)),
-                         "orbit_rate"_a = v.orbit_rate,
+                         "magnetorquers"_a = to_python(host::write(v.magnetorquers)), "orbit_rate"_a = v.orbit_rate,
                          "coordinates"_a = v.coordinates == Coordinates::body ? "body" : "euler_angles");
   return py::dict("dt"_a = m.setup.dt, "vehicle"_a = vehicle, "allow_unstable"_a = m.allow_unstable,
                   "components"_a = components, "gyros"_a = gyros, "dipole_B"_a = to_python(host::write(m.dipole_B)),

@@ -51,7 +51,7 @@ class FlightStack {
     typename C::Params controller;
     typename A::Params allocator;
     typename N::Params navigator;
-    [[no_unique_address]] G geometry{};                      ///< of moving axes
+    [[no_unique_address]] G geometry{};                     ///< of moving axes
     [[no_unique_address]] typename M::Params desaturation;  ///< of momentum management
 
     explicit Params(const Setup<Scalar>& setup) noexcept

@@ -19,9 +19,9 @@ struct FlightModel {
   Setup<double> setup;
   bool allow_unstable = false;
   std::vector<truth::ControlMomentGyro> gyros;
-  Mat3N<double> dipole_B{3, 0};                   ///< axes of magnetorquers in their columns; empty without any
-  std::vector<FlightComponent> components;        ///< navigator, observer, detector, controller, allocator; desaturation
-  int capacity = 0;                               ///< most actuators of the library as it is to be compiled for them
+  Mat3N<double> dipole_B{3, 0};             ///< axes of magnetorquers in their columns; empty without any
+  std::vector<FlightComponent> components;  ///< navigator, observer, detector, controller, allocator; desaturation
+  int capacity = 0;                         ///< most actuators of the library as it is to be compiled for them
   std::size_t bytes_double = 0, bytes_float = 0;  ///< at least the size of their FlightStack, with Eigen aligned to 16
 };
 
