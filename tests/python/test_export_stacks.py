@@ -291,6 +291,23 @@ def test_a_shipped_scenario_repeats_its_loop_to_the_last_bit(name: str, flown: F
     assert flown.verdicts[name].startswith(f"{flown.rows[name]} samples, largest deviation 0.00e+00")
 
 
+def test_in_c_all_inputs_are_read_and_the_memory_is_large_enough(tmp_path: Path) -> None:
+    """Compiled for its own eight actuators; no body of a function is needed for that."""
+    code = export(everything(), "c", tmp_path / "c", samples=2, name="all_of_it")
+    assert code.capacity == 8
+    sizes = [f"sizeof(all_of_it_flight::Flight<{scalar}>::Stack) <= {size}" for scalar, size in code.bytes.items()]
+    memory = "gyrostat::CallerMemory<all_of_it_flight::Flight<double>::Stack>::bytes"
+    lines = [f'#include "{header}"' for header in ("all_of_it.hpp", "all_of_it.h", "gyrostat/flight/facade.hpp")]
+    lines += [f"static_assert({claim});" for claim in (*sizes, f"sizeof(all_of_it) >= {memory}")]
+    (tmp_path / "c" / "sizes.cpp").write_text("\n".join([*lines, ""]))
+    compiler = shlex.split(
+        f"{os.environ.get('CXX', 'c++')} {FLAGS} -fsyntax-only -Iinclude -I. -isystem {find_eigen()}"
+    )
+    _run([*compiler, "sizes.cpp"], tmp_path / "c", seconds=600)
+    strict = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"]
+    _run([os.environ.get("CC", "cc"), *strict, "self_test.c"], tmp_path / "c", seconds=60)
+
+
 def test_every_navigator_is_in_them() -> None:
     assert {s.resolve()["navigator"]["type"] for s in scenarios().values()} == set(_core.catalogue()["navigator"])
 

@@ -11,6 +11,7 @@
 #include "gyrostat/flight/moving_axes.hpp"
 #include "gyrostat/flight/navigators.hpp"
 #include "gyrostat/flight/observers.hpp"
+#include "gyrostat/flight/stack.hpp"
 
 namespace {
 using namespace gyrostat;
@@ -21,9 +22,9 @@ constexpr std::size_t padded(std::size_t bytes) { return (bytes + 15) / 16 * 16;
 /// Members of FlightStack and Estimator beside the components.
 template <class S>
 constexpr std::size_t frame() {
-  return 2 * padded(sizeof(Vehicle<S>)) + padded(sizeof(Estimate<S>)) + padded(sizeof(Detection<S>)) +
-         padded(sizeof(VecN<S>)) + padded(sizeof(Measurement<S>)) + padded(sizeof(Reference<S>)) +
-         padded(sizeof(Demand<S>)) + padded(sizeof(Allocation<S>)) + padded(3 * sizeof(bool));
+  return padded(sizeof(Guard<S>)) + padded(sizeof(Estimate<S>)) + padded(sizeof(Detection<S>)) +
+         padded(sizeof(VecN<S>)) + padded(sizeof(Inputs<S>)) + padded(sizeof(Demand<S>)) +
+         padded(sizeof(Allocation<S>)) + 2 * padded(sizeof(GuardActions) + 4 * sizeof(bool));
 }
 
 template <template <class> class... T>
@@ -43,10 +44,13 @@ constexpr auto joined(const std::array<GyrostatPartSize, n>&... lists) {
 }
 
 /// A navigator's: what it was given, and what it made of it.
+template <class S>
+constexpr std::size_t navigation() {
+  return 2 * padded(sizeof(Measurement<S>)) + padded(2 * sizeof(bool));
+}
 constexpr std::array frames{
     GyrostatPartSize{nullptr, "frame", frame<double>(), frame<float>()},
-    GyrostatPartSize{nullptr, "navigation", 2 * padded(sizeof(Measurement<double>)),
-                     2 * padded(sizeof(Measurement<float>))},
+    GyrostatPartSize{nullptr, "navigation", navigation<double>(), navigation<float>()},
     GyrostatPartSize{nullptr, "moving_axes", padded(sizeof(MovingAxes<double>)), padded(sizeof(MovingAxes<float>))}};
 constexpr auto parts =
     joined(frames, sizes("navigator", Navigators{}), sizes("observer", Observers{}), sizes("detector", Detectors{}),
