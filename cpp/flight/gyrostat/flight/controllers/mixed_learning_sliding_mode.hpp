@@ -8,6 +8,7 @@
 /// Source: Wang, Jia, Yu 2023, eq. (27)-(31), tracking and layer added. Page: docs/components/mixed_learning_sliding_mode.md
 #pragma once
 #include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 
 #include "gyrostat/flight/controllers/parts/rate_attitude_surface.hpp"
@@ -50,11 +51,13 @@ class MixedLearningSlidingMode {
     MixedLearningGains<S> learning() const noexcept { return {K3, sigma4, sigma3, theta3, delay, clamp}; }
 
     /// `SurfaceGains`, but the attitude decays at the frequency f of the linear part. The learning has twice that bandwidth, so that
-    /// it does not settle last, keeps 0.999, and is clamped at a tenth of the usable torque: a slew winds it up no further.
+    /// it does not settle last, keeps 0.999, and is clamped at a tenth of the usable torque: a slew winds it up no further. Neither
+    /// doubles where that would exceed `fastest_law`: sampled slowly, with an observer that learns beside it, the loop would swing
+    /// through weakened actuators.
     explicit Params(const Setup<S>& setup) noexcept : SurfaceGains<S>(setup) {
-      const S f = default_stiffness(setup).frequency;
-      this->delta = S(2) * f;
-      K3 = S(4) * f * f * setup.dt * setup.vehicle.J_B;
+      const S f = std::min(S(2) * default_stiffness(setup).frequency, fastest_law(setup));
+      this->delta = std::max(this->delta, f);
+      K3 = f * f * setup.dt * setup.vehicle.J_B;
       clamp = S(0.1) * usable_torque(setup.vehicle);
     }
   };
