@@ -23,7 +23,7 @@ constexpr std::size_t padded(std::size_t bytes) { return (bytes + 15) / 16 * 16;
 template <class S>
 constexpr std::size_t frame() {
   return padded(sizeof(Guard<S>)) + padded(sizeof(Estimate<S>)) + padded(sizeof(Detection<S>)) +
-         padded(sizeof(VecN<S>)) + padded(sizeof(Inputs<S>)) + padded(sizeof(Demand<S>)) +
+         padded(sizeof(VecN<S>)) + padded(sizeof(bool)) + padded(sizeof(Inputs<S>)) + padded(sizeof(Demand<S>)) +
          padded(sizeof(Allocation<S>)) + 2 * padded(sizeof(GuardActions) + 4 * sizeof(bool));
 }
 
