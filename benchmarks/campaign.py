@@ -20,6 +20,7 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
+from time import perf_counter
 
 import gyrostat as gs
 from gyrostat.campaign import dist
@@ -104,6 +105,9 @@ def main() -> None:
     print("CPU of a flight                  ms   of the campaign's")
     for name, seconds in used.items():
         print(f"{name:24} {1000 * median(seconds):11.2f} {median(seconds) / one:10.3f}", flush=True)
+    by_clock = [median(_elapsed(campaign, share, jobs) for _ in range(ROUNDS)) for jobs in (1, 2)]
+    print(f"by the clock, where two cores are free: {share / by_clock[0]:.0f} and {share / by_clock[1]:.0f} flights/s "
+          f"on one and two threads, {by_clock[0] / by_clock[1]:.2f} times", flush=True)  # fmt: skip
     if find_spec("Basilisk") is None:
         print("Basilisk: not installed", file=sys.stderr)
     else:
@@ -131,6 +135,13 @@ def _timed(fly: Callable[[], object], flights: int) -> Callable[[], float]:
 def _into_a_folder(campaign: gs.Campaign, runs: int, jobs: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         campaign.run(runs, out=Path(folder) / "flown", jobs=jobs, chunk=min(runs, 500))
+
+
+def _elapsed(campaign: gs.Campaign, runs: int, jobs: int) -> float:
+    """Seconds by the clock."""
+    start = perf_counter()
+    _into_a_folder(campaign, runs, jobs)
+    return perf_counter() - start
 
 
 def _cpu() -> float:
