@@ -16,7 +16,8 @@
 
 namespace gyrostat::bindings {
 
-/// What components are made for: only a run calls an object's `setup`, and asks for its `telemetry`.
+/// What components are made for. To fly: `setup` is called, and then `telemetry`, which says what can be recorded; who only asks for
+/// that hands in copies, as a run does. To look: neither is called.
 enum class Use { fly, look };
 
 /// Components for the roles of `objects` (navigator, observer, detector, controller, allocator, reference -> object; sensors, faults,

@@ -181,8 +181,13 @@ def draw(name: str, flights: dict[str, gs.Result]) -> Figure:
         for told in shown:
             every, t = mission.every, flights[told].t
             values = line.scale * np.reshape(flights[told][line.channel], (len(t), -1))[::every]
-            values = np.linalg.norm(values, axis=1) if line.norm else values
-            label = [told] if len(shown) > 1 else [] if values.ndim == 1 else [str(i) for i in range(values.shape[1])]
+            label = [str(i) for i in range(values.shape[1])] if values.shape[1] > 1 else []
+            if line.norm:
+                values, label = np.linalg.norm(values, axis=1), []
+            elif line.limit is not None:  # of those that store something: actuators that are no wheels stay at zero
+                stores = np.flatnonzero(np.any(values != 0.0, axis=0))
+                values, label = values[:, stores], [label[i] for i in stores]
+            label = [told] if len(shown) > 1 else label
             figure.line(row, t[::every], values, line.name, line.unit, labels=label, log=line.log)
         if line.limit is not None:
             for side in (line.limit, -line.limit):

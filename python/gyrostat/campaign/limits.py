@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whole numbers that say how many runs, threads, chunks."""
+"""Whole numbers: how many runs, threads, chunks, and seeds."""
 
 from __future__ import annotations
 
@@ -14,11 +14,13 @@ MOST_RUNS = 2**31 - 1
 """Numbers of flights that an `Experiment` takes."""
 
 
-def whole(name: str, number: Any, least: int = 0) -> int:
-    """Refuse what is no whole number of runs."""
-    if isinstance(number, bool) or not isinstance(number, int | np.integer) or not least <= number <= MOST_RUNS:
-        most = f"to {MOST_RUNS}" if isinstance(number, int | np.integer) and number > MOST_RUNS else "on"
-        raise InputError(f"{name} = {shown(number)}: a whole number from {least} {most} belongs here")
+def whole(name: str, number: Any, least: int = 0, most: int | None = None) -> int:
+    """Refuse what is no whole number from `least` to `most`; without one, of runs."""
+    bound = MOST_RUNS if most is None else most
+    is_whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
+    if not is_whole or not least <= number <= bound:
+        end = "on" if most is None and not (is_whole and number > bound) else f"to {bound}"
+        raise InputError(f"{name} = {shown(number)}: a whole number from {least} {end} belongs here")
     return int(number)
 
 

@@ -195,8 +195,7 @@ def body_of(o: Wanted) -> Body:
 def _asked(o: Wanted, body: Body, rule: Rule, law: str) -> Asked:
     J = float(body.J.max())
     torque = 0.04 * J if o.torque is None else o.torque
-    usual = min(math.sqrt(torque / (4.0 * J * math.tan(math.pi / 16.0))), 0.05 / o.dt)
-    bandwidth = usual if o.bandwidth is None else o.bandwidth
+    bandwidth = _usual(body, torque) if o.bandwidth is None else o.bandwidth
     damping = (1.1 if rule.sliding else 0.8) if o.damping is None else o.damping
     if bandwidth * o.dt > FASTEST:
         raise InputError(
@@ -208,6 +207,24 @@ def _asked(o: Wanted, body: Body, rule: Rule, law: str) -> Asked:
             f"damping = {damping:g}: {law} has two real poles, the surface and the way to it; 1 or more belongs here"
         )
     return Asked(body.J, o.dt, torque, bandwidth, damping, o.amplitude)
+
+
+def _flown(body: Body, torque: float, law: Component) -> Scenario:
+    """The law on the vehicle about its principal axes."""
+    wheels = max(0.0, 1.001 * float(body.J[2] - body.J[1] - body.J[0]))  # what makes of it the inertia of a body
+    return Scenario(
+        vehicle=Vehicle(J_B=(body.J + wheels).tolist(), D_B=np.eye(3).tolist(), u_max=torque, wheel_inertia=wheels),
+        controller=law,
+        duration=body.dt,
+        dt=body.dt,
+        allow_unstable=True,
+    )
+
+
+def _usual(body: Body, torque: float) -> float:
+    """Natural frequency, rad/s, of the default gains of `mrp_feedback`."""
+    gains = _flown(body, torque, controller("mrp_feedback")).resolve()["controller"]
+    return math.sqrt(gains["K"] / (4.0 * float(body.J.max())))
 
 
 def gains_for(law: str, options: Wanted) -> DesignReport:
@@ -229,16 +246,7 @@ def gains_for(law: str, options: Wanted) -> DesignReport:
     body = body_of(options)
     asked = _asked(options, body, rule, law)
     given = rule.parameters(asked)
-    wheels = max(0.0, 1.001 * float(body.J[2] - body.J[1] - body.J[0]))  # what makes of it the inertia of a body
-    stack = Scenario(
-        vehicle=Vehicle(
-            J_B=(body.J + wheels).tolist(), D_B=np.eye(3).tolist(), u_max=asked.torque, wheel_inertia=wheels
-        ),
-        controller=controller(law, **given),
-        duration=options.dt,
-        dt=options.dt,
-        allow_unstable=True,
-    )
+    stack = _flown(body, asked.torque, controller(law, **given))
     parameters = stack.resolve()["controller"]
 
     def loop(amplitude: float) -> Loop:

@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
+from gyrostat.campaign.limits import whole
 from gyrostat.errors import InputError
-from gyrostat.verification.words import CHAINS, Words, checked_seed, stream, uniforms
+from gyrostat.verification.words import CHAINS, LARGEST_SEED, Words, stream, uniforms
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -165,7 +166,7 @@ class SubsetSimulation:
     keep_lost: int = field(default=10, kw_only=True)
 
     def __post_init__(self) -> None:
-        checked_seed(self.seed)
+        whole("seed", self.seed, most=LARGEST_SEED)
         if self.inputs < 0 or self.blocks < 0 or self.inputs + self.blocks == 0:
             raise InputError("inputs, blocks: at least one input or block of noise belongs here")
         if not 0 < self.share <= 0.5 or not _whole(1 / self.share):

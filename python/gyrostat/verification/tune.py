@@ -16,8 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrostat.campaign.limits import whole
 from gyrostat.errors import InputError
-from gyrostat.verification.words import checked_seed
+from gyrostat.verification.words import LARGEST_SEED
 from gyrostat.verification.worst import evolution
 
 Floats = NDArray[np.float64]
@@ -149,7 +150,7 @@ class Tuner:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        checked_seed(self.seed)
+        whole("seed", self.seed, most=LARGEST_SEED)
         if self.parameters < 1:
             raise InputError("parameters: at least one belongs here")
         if not self.effort >= 1:

@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gyrostat.errors import InputError
-
 Words = NDArray[np.uint64]
+
+LARGEST_SEED = 2**64 - 1
+"""Of the words that a key takes."""
 
 CHAINS = 2
 """Domain of the Markov chains of `gyrostat.verification.rare`."""
@@ -68,18 +69,6 @@ def uniforms(words: Words) -> NDArray[np.float64]:
     return ((words >> np.uint64(12)).astype(np.float64) + 0.5) * 2.0**-52
 
 
-def checked_seed(seed: object) -> None:
-    """Refuse what is no key.
-
-    Raises
-    ------
-    InputError
-        Not a whole number from 0 to 2^64 - 1.
-    """
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= int(seed) < 2**64:
-        raise InputError(f"seed = {seed}: a whole number from 0 to 2^64 - 1 belongs here")
-
-
 def _word(value: ArrayLike) -> Words:
     return np.asarray(value, np.uint64)
 
@@ -93,4 +82,4 @@ def _product(multiplier: int, x: Words) -> tuple[Words, Words]:
     return m_high * high + (cross >> _HALF) + (other >> _HALF), np.uint64(multiplier) * x
 
 
-__all__ = ["CHAINS", "OPTIMISERS", "checked_seed", "philox", "stream", "uniforms"]
+__all__ = ["CHAINS", "LARGEST_SEED", "OPTIMISERS", "philox", "stream", "uniforms"]

@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
+from gyrostat.campaign.limits import whole
 from gyrostat.errors import InputError
-from gyrostat.verification.words import OPTIMISERS, checked_seed, stream, uniforms
+from gyrostat.verification.words import LARGEST_SEED, OPTIMISERS, stream, uniforms
 
 Floats = NDArray[np.float64]
 Batch = Callable[[Floats], Floats]
@@ -146,7 +147,7 @@ class WorstCase:
     batch: int = 0
 
     def __post_init__(self) -> None:
-        checked_seed(self.seed)
+        whole("seed", self.seed, most=LARGEST_SEED)
         if self.inputs < 1:
             raise InputError(f"inputs = {self.inputs}: at least one belongs here")
         if self.batch == 0:

@@ -152,20 +152,23 @@ struct LostController : MrpFeedback<double> {
   }
 };
 
-struct LostObserver : PassthroughObserver<double> {
+/// Passes on what `change` makes of every estimate.
+template <auto change>
+struct ChangedObserver : PassthroughObserver<double> {
   using PassthroughObserver::PassthroughObserver;
   Estimate<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) noexcept {
-    return broken(PassthroughObserver::start(vehicle, y));
+    return change(PassthroughObserver::start(vehicle, y));
   }
   Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
                         const Allocation<double>& last) noexcept {
-    return broken(PassthroughObserver::step(vehicle, y, last));
-  }
-  static Estimate<double> broken(Estimate<double> x) noexcept {
-    if (x.tick >= trouble) x.effectiveness[2] = nan;
-    return x;
+    return change(PassthroughObserver::step(vehicle, y, last));
   }
 };
+
+using LostObserver = ChangedObserver<[](Estimate<double> x) noexcept {
+  if (x.tick >= trouble) x.effectiveness[2] = nan;
+  return x;
+}>;
 
 struct LostDetector : NoDetector<double> {
   using NoDetector::NoDetector;
@@ -237,21 +240,11 @@ TEST(StackFailsAtStart, AnObserverAndADetectorLeaveTheMeasuredState) {
 // ---- what is told of a command that was held or clipped ----------------------------------------------------------
 
 /// Knows that wheel 1 gives half, and flags what it is asked to.
-struct KnowingObserver : PassthroughObserver<double> {
-  using PassthroughObserver::PassthroughObserver;
-  Estimate<double> start(const Vehicle<double>& vehicle, const Measurement<double>& y) noexcept {
-    return known(PassthroughObserver::start(vehicle, y));
-  }
-  Estimate<double> step(const Vehicle<double>& vehicle, const Measurement<double>& y,
-                        const Allocation<double>& last) noexcept {
-    return known(PassthroughObserver::step(vehicle, y, last));
-  }
-  static Estimate<double> known(Estimate<double> x) noexcept {
-    x.effectiveness[1] = 0.5;
-    if (x.tick == 3) x.status.set(Flag::singular);
-    return x;
-  }
-};
+using KnowingObserver = ChangedObserver<[](Estimate<double> x) noexcept {
+  x.effectiveness[1] = 0.5;
+  if (x.tick == 3) x.status.set(Flag::singular);
+  return x;
+}>;
 
 /// A command that is not finite at one sample, far outside of every limit around it, of either sign.
 struct WildAllocator : PseudoInverse<double> {
