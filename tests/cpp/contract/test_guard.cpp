@@ -488,8 +488,8 @@ TYPED_TEST(Guard, AJumpBeginsAtItsScales) {
     Measurement<S> below = from, above = from;
     change(below, static_cast<S>(0.99 * at));
     change(above, static_cast<S>(1.01 * at));
-    EXPECT_FALSE(guard.jumps(from, below, u)) << what;
-    EXPECT_TRUE(guard.jumps(from, above, u)) << what;
+    EXPECT_FALSE(guard.jumps(from, from.axes, below, u)) << what;
+    EXPECT_TRUE(guard.jumps(from, from.axes, above, u)) << what;
   };
   const auto rate = [](Measurement<S>& y, S x) { y.omega_BN_B[1] += x; };
   const auto momentum = [](Measurement<S>& y, S x) { y.h_w[2] -= x; };
@@ -508,7 +508,7 @@ TYPED_TEST(Guard, AJumpBeginsAtItsScales) {
     from.h_w.setZero(4);
     to = from;
     to.omega_BN_B[0] = static_cast<S>(size * std::max(0.02, 0.0001 * 100 * T / 3));
-    EXPECT_EQ(gyrostat::Guard<S>(setup).jumps(from, to, nothing), size > 1);
+    EXPECT_EQ(gyrostat::Guard<S>(setup).jumps(from, from.axes, to, nothing), size > 1);
   }
 }
 

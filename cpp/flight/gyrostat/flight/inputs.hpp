@@ -75,7 +75,7 @@ class Inputs {
     judge(guard, in);
     if (in.tick == y_.tick && in.tick != 0) replace_all();
     const std::uint32_t event = y_.event;
-    if (replaced_.measurement() || guard.jumps(y_, in, u)) {
+    if (replaced_.measurement() || guard.jumps(y_, y_.axes, in, u)) {
       y_ = completed(guard, in, x, u);
     } else {
       doubts_ = 0;
@@ -90,18 +90,18 @@ class Inputs {
                            const VecN<S>& u) noexcept {
     constexpr int patience = 10;  // samples
     const Measurement<S> y = carried_on(guard, in, x, u);
-    const bool jumps = guard.jumps(y_, y, u);
+    const bool jumps = guard.jumps(y_, y_.axes, y, u);
     if (jumps && doubts_ == patience) {
-      jumped_ = guard.rates_jump(y_, y, u);
+      jumped_ = guard.rates_jump(y_, y_.axes, y, u);
       return y;
     }
-    jumped_ = jumps && doubts_ > 0 && !guard.jumps(doubted_, y, u);
+    jumped_ = jumps && doubts_ > 0 && !guard.jumps(doubted_, y_.axes, y, u);
     if (!jumps || jumped_) {
       doubts_ = 0;
       return y;
     }
     ++doubts_;
-    doubted_ = y;
+    doubted_ = {y.q_NB, y.omega_BN_B, y.h_w};
     replace_all();
     return carried_on(guard, in, x, u);
   }
@@ -118,7 +118,7 @@ class Inputs {
   void replace_all() noexcept { replaced_.attitude = replaced_.rate = replaced_.momentum = true; }
 
   Measurement<S> y_;
-  Measurement<S> doubted_;             ///< what was measured at the sample before, where it was doubted
+  Motion<S> doubted_;                  ///< what was measured at the sample before, where it was doubted
   Vec3<S> field_N_ = Vec3<S>::Zero();  ///< T, when it was measured last
   Reference<S> ref_;
   GuardActions replaced_;

@@ -20,17 +20,16 @@ class NoDetector {
 
   static Status<S> check(const Setup<S>&, const Params&) noexcept { return {}; }
 
-  NoDetector(Unchecked, const Setup<S>& setup, const Params&) noexcept : none_(Detection<S>::none(setup.vehicle)) {}
+  NoDetector(Unchecked, const Setup<S>&, const Params&) noexcept {}
 
-  [[nodiscard]] Detection<S> start(const Vehicle<S>&, const Estimate<S>&) noexcept { return none_; }
-  [[nodiscard]] Detection<S> step(const Vehicle<S>&, const Estimate<S>&, const Allocation<S>&) noexcept {
-    return none_;
+  [[nodiscard]] Detection<S> start(const Vehicle<S>& vehicle, const Estimate<S>&) noexcept {
+    return Detection<S>::none(vehicle);
+  }
+  [[nodiscard]] Detection<S> step(const Vehicle<S>& vehicle, const Estimate<S>&, const Allocation<S>&) noexcept {
+    return Detection<S>::none(vehicle);
   }
 
   void telemetry(auto&&) const {}
-
- private:
-  Detection<S> none_;
 };
 
 }  // namespace gyrostat
