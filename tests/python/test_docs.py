@@ -123,6 +123,11 @@ def crooked_tables(text: str) -> Iterator[str]:
         width = width or cells
 
 
+def test_lines_are_wrapped() -> None:
+    lines = [(name(page), line) for page in EVERY_PAGE for line in prose(page).splitlines()]
+    assert not [where for where, line in lines if len(line) > 140 and not line.startswith(("|", "<!--", "!["))]
+
+
 @pytest.mark.parametrize("page", EVERY_PAGE, ids=name)
 def test_tables_are_whole(page: Path) -> None:
     assert not list(crooked_tables(page.read_text(encoding="utf-8")))
