@@ -57,11 +57,6 @@ class LearningGains:
         return self.k1 < 1.0 and self.M + (self.k2 + self.k3) / (1.0 - self.k1) > 0.0 and self.delay_margin > 0.0
 
     @property
-    def neutral_decay(self) -> float:
-        """Decay rate, 1/s, of the fast modes that the memory itself has: ``-ln(k1) / Tc``."""
-        return float(-np.log(self.k1) / self.Tc)
-
-    @property
     def theorem_gamma1(self) -> float:
         """Largest value, over the free numbers of the theorem, of a bound on its ``gamma1``: ``M - 1 - k2^2``."""
         return self.M - 1.0 - self.k2**2

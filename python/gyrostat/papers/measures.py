@@ -34,29 +34,12 @@ def settling_time(result: Result, *, signal: Array, band: float, after: float = 
     return metrics.settling_time(result.t, signal, band, after)
 
 
-def window_max(result: Result, *, signal: Array, window: Window = _whole) -> float:
-    """Largest ``|signal|`` in a window of time."""
-    return metrics.window_max(result.t, signal, *_reaches(result, *window))
+def _of_window(metric: Callable[..., float]) -> Metric:
+    def measured(result: Result, *, signal: Array, window: Window = _whole) -> float:
+        return metric(result.t, signal, *_reaches(result, *window))
 
-
-def window_norm(result: Result, *, signal: Array, window: Window = _whole) -> float:
-    """Largest Euclidean norm of the signal in a window of time."""
-    return metrics.window_norm(result.t, signal, *_reaches(result, *window))
-
-
-def window_lowest(result: Result, *, signal: Array, window: Window = _whole) -> float:
-    """Smallest value (signed) in a window of time."""
-    return metrics.window_lowest(result.t, signal, *_reaches(result, *window))
-
-
-def window_highest(result: Result, *, signal: Array, window: Window = _whole) -> float:
-    """Largest value (signed) in a window of time."""
-    return metrics.window_highest(result.t, signal, *_reaches(result, *window))
-
-
-def window_rms(result: Result, *, signal: Array, window: Window = _whole) -> float:
-    """Root mean square in a window of time."""
-    return metrics.window_rms(result.t, signal, *_reaches(result, *window))
+    measured.__name__, measured.__doc__ = metric.__name__, metric.__doc__
+    return measured
 
 
 def final(result: Result, *, signal: Array) -> float:
@@ -69,11 +52,6 @@ def at(result: Result, *, signal: Array, time: float) -> float:
     """Value (signed) of a column at a sample, s."""
     _reaches(result, time, time)
     return float(signal[int(np.argmin(np.abs(result.t - time)))])
-
-
-def total_variation(result: Result, *, signal: Array, window: Window = _whole) -> float:
-    """Sum of ``|change|`` per second in a window of time."""
-    return metrics.total_variation(result.t, signal, *_reaches(result, *window))
 
 
 def fraction_at_least(result: Result, *, signal: Array, level: float, window: Window = _whole) -> float:
@@ -102,7 +80,7 @@ def first_reach(result: Result, *, signal: Array, level: float, after: float = 0
 def ratio(result: Result, *, signal: Array, against: Result, other: Array, window: Window = _whole) -> float:
     """Largest ``|signal|`` in a window of time over that of another case."""
     of_other = metrics.window_max(against.t, other, *_reaches(against, *window))
-    return window_max(result, signal=signal, window=window) / of_other
+    return metrics.window_max(result.t, signal, *_reaches(result, *window)) / of_other
 
 
 def difference(result: Result, *, signal: Array, against: Result, other: Array, window: Window = _whole) -> float:
@@ -127,29 +105,18 @@ def events(result: Result, *, name: str) -> float:
     return float(sum(event.name == name for event in result.events))
 
 
-METRICS: dict[str, Metric] = {
-    f.__name__: f
-    for f in (
-        settling_time,
-        recovery,
-        window_max,
-        window_norm,
-        window_lowest,
-        window_highest,
-        window_rms,
-        final,
-        at,
-        total_variation,
-        fraction_at_least,
-        energy,
-        first_reach,
-        ratio,
-        difference,
-        completed,
-        end_time,
-        events,
-    )
-}
+_of_windows = (
+    metrics.window_max,
+    metrics.window_norm,
+    metrics.window_lowest,
+    metrics.window_highest,
+    metrics.window_rms,
+    metrics.total_variation,
+)
+_of_runs = (settling_time, recovery, final, at, fraction_at_least, energy, first_reach, completed, end_time, events)
+_all: tuple[Metric, ...] = (*map(_of_window, _of_windows), *_of_runs, ratio, difference)
+
+METRICS: dict[str, Metric] = {metric.__name__: metric for metric in _all}
 
 
 @dataclass(frozen=True)
