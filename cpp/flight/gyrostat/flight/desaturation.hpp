@@ -9,7 +9,6 @@
 /// Camillo, Markley 1980; for `total`, Avanzini, Giulietti 2012. Page: docs/orbit.md
 #pragma once
 #include <algorithm>
-#include <concepts>
 
 #include "gyrostat/core/params.hpp"
 

@@ -13,7 +13,6 @@
 ///
 /// Page: docs/flight_software.md
 #pragma once
-#include <algorithm>
 #include <utility>
 
 #include "gyrostat/core/power.hpp"

@@ -5,7 +5,6 @@
 ///
 /// Attitude and rate are continuous and both have closed forms; the acceleration jumps at rows.
 #pragma once
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>

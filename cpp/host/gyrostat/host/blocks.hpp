@@ -2,7 +2,6 @@
 /// @file  The blocks of a scenario that are no components: vehicle, truth, initial state, run. Data with descriptions.
 #pragma once
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "gyrostat/core/params.hpp"

@@ -8,7 +8,6 @@
 /// derivative is written out, and what of R' R'' is not omegadot is symmetric.
 #pragma once
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "gyrostat/core/signals.hpp"
 

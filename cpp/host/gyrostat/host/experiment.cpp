@@ -42,8 +42,7 @@ template <truth::Plant Plant>
 class Measuring {
  public:
   struct Meter {
-    std::size_t channel;
-    int column;
+    std::span<const double> x;  ///< where the reader puts it
     Metric metric;
   };
 
@@ -66,11 +65,7 @@ class Measuring {
     if (reader_.needs_shadows()) shadows_.after(parts_);
     const double t = plant_.time();
     reader_.read(moments_.now(t, y, ref));
-    for (Meter& m : meters_) {
-      std::span<const double> x = reader_[m.channel];
-      if (m.column >= 0) x = x.subspan(static_cast<std::size_t>(m.column), 1);
-      std::visit([&](auto& metric) { metric.add(t, x); }, m.metric);
-    }
+    for (Meter& m : meters_) std::visit([&](auto& metric) { metric.add(t, m.x); }, m.metric);
     moments_.after();
   }
 
@@ -200,7 +195,8 @@ class Experiment::Worker {
     std::vector<typename Measuring<Plant>::Meter> meters;
     const double onset = last_fault(o.a);
     for (const Meter& m : e_.meters_) {
-      meters.push_back({index_of(reader, m.channel), m.column, m.metric});
+      const std::span<const double> x = reader[index_of(reader, m.channel)];
+      meters.push_back({m.column < 0 ? x : x.subspan(static_cast<std::size_t>(m.column), 1), m.metric});
       const auto is_onset = [&](const Field& f) {
         return std::find(m.at_last_fault.begin(), m.at_last_fault.end(), f.name) != m.at_last_fault.end();
       };

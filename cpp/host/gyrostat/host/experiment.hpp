@@ -4,7 +4,6 @@
 /// A flight is a function of the scenario, its number and its values. The number keys the noise (`run_number` of the scenario),
 /// so that flights may be flown in any order, on any thread, or alone: the same bits come out.
 #pragma once
-#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>

@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <stdexcept>
 
 #include "gyrostat/host/run_parts.hpp"
 

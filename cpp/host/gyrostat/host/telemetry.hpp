@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file  Reading a component's `telemetry(log)` on the host: names once, then values into a preallocated row.
 #pragma once
-#include <cstdint>
 #include <string>
 #include <type_traits>
 #include <vector>

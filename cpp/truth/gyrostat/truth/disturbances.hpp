@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file  External torques on the body, in body axes. Any number; they add.
 #pragma once
-#include <array>
 #include <optional>
 #include <string>
 #include <variant>

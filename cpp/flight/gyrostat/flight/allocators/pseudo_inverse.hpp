@@ -6,7 +6,6 @@
 /// An estimate whose bound is infinite may be refused (`unknown`). Columns of actuators that are failed, not enabled or weaker
 /// than e_min are zero. Page: docs/components/pseudo_inverse.md
 #pragma once
-#include <algorithm>
 #include <cmath>
 
 #include "gyrostat/core/params.hpp"

@@ -7,7 +7,6 @@
 ///
 /// Source: Wang, Jia, Yu 2023, eq. (27)-(31), tracking and layer added. Page: docs/components/mixed_learning_sliding_mode.md
 #pragma once
-#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 

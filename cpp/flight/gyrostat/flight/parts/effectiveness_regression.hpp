@@ -7,8 +7,6 @@
 /// Page: docs/components/adaptive_iterative_learning.md
 #pragma once
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
 
 #include "gyrostat/core/signals.hpp"
 

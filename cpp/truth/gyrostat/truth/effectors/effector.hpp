@@ -15,7 +15,6 @@
 #include <concepts>
 #include <cstdint>
 #include <tuple>
-#include <type_traits>
 #include <vector>
 
 #include "gyrostat/core/types.hpp"

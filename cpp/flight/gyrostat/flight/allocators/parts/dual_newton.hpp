@@ -117,9 +117,6 @@ class DualNewton {
     return std::min(std::max(points_[current_].z[size_t(i)], lo[size_t(i)]), up[size_t(i)]);
   }
   bool is_free(int i) const noexcept { return ((points_[current_].below | points_[current_].above) >> i & 1u) == 0u; }
-  bool all_clipped() const noexcept {
-    return (points_[current_].below | points_[current_].above) == (std::uint64_t{1} << n) - 1u;
-  }
 
   /// J^-1 v at the current point, J the derivative of F (regularised where that is singular).
   Torque solve_jacobian(const Torque& v) noexcept {

@@ -7,7 +7,6 @@
 /// the others leave three times as much. Page: docs/components/evidence.md
 #pragma once
 #include <algorithm>
-#include <cmath>
 
 #include "gyrostat/core/signals.hpp"
 #include "gyrostat/flight/detectors/parts/momentum_pairs.hpp"

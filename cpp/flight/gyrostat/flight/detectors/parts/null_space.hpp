@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file  Commands that make no torque: projector onto the null space of the actuator axes.
 #pragma once
-#include <cmath>
 
 #include "gyrostat/core/signals.hpp"
 

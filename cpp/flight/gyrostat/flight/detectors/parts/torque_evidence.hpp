@@ -6,7 +6,6 @@
 /// that does not follow the command cannot be told from a disturbance, and need not be. Page: docs/components/evidence.md
 #pragma once
 #include <algorithm>
-#include <cmath>
 
 #include "gyrostat/flight/parts/effectiveness_regression.hpp"
 
