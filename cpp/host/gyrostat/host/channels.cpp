@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <variant>
 
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/flight/parts/euler_model.hpp"
@@ -28,10 +29,9 @@ void put(double x, double* out) { *out = x; }
 void put_or(const VecN<double>& v, double otherwise, int n, double* out) {
   for (int i = 0; i < n; ++i) out[i] = v.size() == n ? v[i] : otherwise;
 }
-void put_classes(const Detection<double>& det, int n, double* out) {
-  for (int i = 0; i < n; ++i) out[i] = static_cast<double>(det.classes[static_cast<std::size_t>(i)]);
+void put_classes(const PairView& p, double* out) {
+  for (int i = 0; i < p.actuators; ++i) out[i] = static_cast<double>(p.det->classes[static_cast<std::size_t>(i)]);
 }
-int actuators_of(const ShadowView& v) { return static_cast<int>(v.x->effectiveness.size()); }
 
 truth::Orbit::Point orbit_of(const Moment& m) { return m.vehicles.orbit->at(m.now.t); }
 
@@ -110,12 +110,13 @@ struct Known {
   int size;  // per_actuator, per_mode, ...: one each; .._an_orbit: where there is one
   const char* unit;
   const char* meaning;
-  void (*fill)(const Moment&, double*);
+  std::variant<void (*)(const Moment&, double*), void (*)(const PairView&, double*)> fill;  // of a pair: of shadows too
   bool usual = false;
   bool previous = false;
 };
 
 using M = const Moment&;
+using P = const PairView&;
 const Known known[] = {
     {"truth.q_NB", 4, "", "attitude, scalar first", [](M m, double* o) { put(m.now.q_NB, o); }, true},
     {"truth.omega_BN_B", 3, "rad/s", "body rate", [](M m, double* o) { put(m.now.omega_BN_B, o); }, true},
@@ -200,23 +201,23 @@ const Known known[] = {
      [](M m, double* o) { put(m.ref->omegadot_RN_R, o); }},
     {"reference.euler", 3, "rad", "reference roll, pitch, yaw", [](M m, double* o) { put(m.ref->euler.angles, o); }},
     {"reference.event", 1, "", "count of jumps", [](M m, double* o) { put(m.ref->event, o); }},
-    {"estimate.q_NB", 4, "", "estimated attitude", [](M m, double* o) { put(m.x->q_NB, o); }},
-    {"estimate.omega_BN_B", 3, "rad/s", "estimated rate", [](M m, double* o) { put(m.x->omega_BN_B, o); }},
+    {"estimate.q_NB", 4, "", "estimated attitude", [](M m, double* o) { put(m.pair.x->q_NB, o); }},
+    {"estimate.omega_BN_B", 3, "rad/s", "estimated rate", [](P p, double* o) { put(p.x->omega_BN_B, o); }},
     {"estimate.effectiveness", per_actuator, "", "estimated effectiveness",
-     [](M m, double* o) { put(m.x->effectiveness, o); }, true},
+     [](P p, double* o) { put(p.x->effectiveness, o); }, true},
     {"estimate.effectiveness_bound", per_actuator, "", "relative half-width; infinite: never excited",
-     [](M m, double* o) { put(m.x->effectiveness_bound, o); }},
-    {"estimate.d_B", 3, "N m", "estimated lumped torque", [](M m, double* o) { put(m.x->d_B, o); }, true},
-    {"detection.changed", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->changed.bits(), o); }},
-    {"detection.failed", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->failed.bits(), o); }},
-    {"detection.enabled", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.det->enabled.bits(), o); }},
+     [](P p, double* o) { put(p.x->effectiveness_bound, o); }},
+    {"estimate.d_B", 3, "N m", "estimated lumped torque", [](P p, double* o) { put(p.x->d_B, o); }, true},
+    {"detection.changed", 1, "", "bit mask of actuators", [](P p, double* o) { put(p.det->changed.bits(), o); }},
+    {"detection.failed", 1, "", "bit mask of actuators", [](P p, double* o) { put(p.det->failed.bits(), o); }},
+    {"detection.enabled", 1, "", "bit mask of actuators", [](M m, double* o) { put(m.pair.det->enabled.bits(), o); }},
     {"detection.class", per_actuator, "", "0 healthy, 1 gain, 2 additive, 3 stuck, 4 intermittent, 5 unclear",
-     [](M m, double* o) { put_classes(*m.det, m.vehicles.nominal.actuators(), o); }},
+     [](P p, double* o) { put_classes(p, o); }},
     {"detection.gain", per_actuator, "", "delivered = gain u + bias, as far as is known",
-     [](M m, double* o) { put_or(m.det->gain, 1, m.vehicles.nominal.actuators(), o); }},
+     [](P p, double* o) { put_or(p.det->gain, 1, p.actuators, o); }},
     {"detection.bias", per_actuator, "N m", "delivered = gain u + bias, as far as is known",
-     [](M m, double* o) { put_or(m.det->bias, 0, m.vehicles.nominal.actuators(), o); }},
-    {"detection.event", 1, "", "count of declarations and recoveries", [](M m, double* o) { put(m.det->event, o); }},
+     [](P p, double* o) { put_or(p.det->bias, 0, p.actuators, o); }},
+    {"detection.event", 1, "", "count of declarations and recoveries", [](P p, double* o) { put(p.det->event, o); }},
     {"demand.tau_B", 3, "N m", "torque that the controller asks for", [](M m, double* o) { put(m.demand->tau_B, o); },
      true},
     {"demand.u_pref", per_actuator, "N m", "preferred command, probe included",
@@ -235,32 +236,8 @@ const Known known[] = {
      [](M m, double* o) { put(m.last->status.bits(), o); }},
 };
 
-struct KnownOfShadow {
-  const char* name;
-  int size;
-  const char* unit;
-  const char* meaning;
-  void (*fill)(const ShadowView&, double*);
-};
-
-using V = const ShadowView&;
-const KnownOfShadow known_of_shadow[] = {
-    {"estimate.effectiveness", per_actuator, "", "estimated effectiveness",
-     [](V v, double* o) { put(v.x->effectiveness, o); }},
-    {"estimate.effectiveness_bound", per_actuator, "", "relative half-width",
-     [](V v, double* o) { put(v.x->effectiveness_bound, o); }},
-    {"estimate.d_B", 3, "N m", "estimated lumped torque", [](V v, double* o) { put(v.x->d_B, o); }},
-    {"estimate.omega_BN_B", 3, "rad/s", "estimated rate", [](V v, double* o) { put(v.x->omega_BN_B, o); }},
-    {"detection.changed", 1, "", "bit mask of actuators", [](V v, double* o) { put(v.det->changed.bits(), o); }},
-    {"detection.failed", 1, "", "bit mask of actuators", [](V v, double* o) { put(v.det->failed.bits(), o); }},
-    {"detection.class", per_actuator, "", "0 healthy, 1 gain, 2 additive, 3 stuck, 4 intermittent, 5 unclear",
-     [](V v, double* o) { put_classes(*v.det, actuators_of(v), o); }},
-    {"detection.gain", per_actuator, "", "delivered = gain u + bias, as far as is known",
-     [](V v, double* o) { put_or(v.det->gain, 1, actuators_of(v), o); }},
-    {"detection.bias", per_actuator, "N m", "delivered = gain u + bias, as far as is known",
-     [](V v, double* o) { put_or(v.det->bias, 0, actuators_of(v), o); }},
-    {"detection.event", 1, "", "count of declarations and recoveries", [](V v, double* o) { put(v.det->event, o); }},
-};
+/// Whether it is a channel of each shadow as well.
+bool of_pair(const Known& k) { return k.fill.index() == 1; }
 
 int width_of(int size, const Counts& counts) {
   switch (size) {
@@ -285,8 +262,7 @@ int width_of(int size, const Counts& counts) {
   }
 }
 
-/// `k` is a Known or a KnownOfShadow.
-ChannelInfo info_of(const std::string& name, const auto& k, const Counts& counts) {
+ChannelInfo info_of(const std::string& name, const Known& k, const Counts& counts) {
   const bool actuator = k.size == per_actuator || k.size == per_gimbal;
   const bool axis = k.size == 3 || k.size == of_thrusters3 || k.size == three_an_orbit;
   const char* dimension = actuator ? "actuator" : axis ? "axis" : k.size == 4 ? "quaternion" : "";
@@ -318,7 +294,9 @@ std::vector<ChannelInfo> ChannelReader::offered(const Counts& counts, const std:
     if (width_of(k.size, counts) > 0) out.push_back(info_of(k.name, k, counts));
   }
   for (const ShadowView& s : shadows) {
-    for (const KnownOfShadow& k : known_of_shadow) out.push_back(info_of(s.role + "." + k.name, k, counts));
+    for (const Known& k : known) {
+      if (of_pair(k)) out.push_back(info_of(s.role + "." + k.name, k, counts));
+    }
   }
   for (const Reported& r : components) {
     for (const TelemetryEntry& e : entries_of(r)) out.push_back(info_of(r.role + "." + e.name, e));
@@ -372,14 +350,15 @@ void ChannelReader::choose(const std::string& pattern, const Counts& counts, con
     if (!meant(pattern, k.name) || width_of(k.size, counts) == 0) continue;
     found = true;
     needs_previous_ = needs_previous_ || k.previous;
-    add(info_of(k.name, k, counts), {.fill = k.fill});
+    add(info_of(k.name, k, counts),
+        of_pair(k) ? Source{.fill_pair = std::get<1>(k.fill)} : Source{.fill = std::get<0>(k.fill)});
   }
   for (std::size_t i = 0; i < shadows_.size(); ++i) {
-    for (const KnownOfShadow& k : known_of_shadow) {
+    for (const Known& k : known) {
       const std::string name = shadows_[i].role + "." + k.name;
-      if (!meant(pattern, name)) continue;
+      if (!of_pair(k) || !meant(pattern, name)) continue;
       found = needs_shadows_ = true;
-      add(info_of(name, k, counts), {.fill_shadow = k.fill, .part = i});
+      add(info_of(name, k, counts), {.fill_pair = std::get<1>(k.fill), .part = i + 1});
     }
   }
   for (const Reported& r : components) {
@@ -409,8 +388,8 @@ void ChannelReader::read(const Moment& now) {
     double* out = row_.data() + s.offset;
     if (s.fill != nullptr) {
       s.fill(now, out);
-    } else if (s.fill_shadow != nullptr) {
-      s.fill_shadow(shadows_[s.part], out);
+    } else if (s.fill_pair != nullptr) {
+      s.fill_pair(s.part == 0 ? now.pair : shadows_[s.part - 1].pair, out);
     } else {
       std::copy_n(telemetry_[static_cast<std::size_t>(s.component)].row.data() + s.part, channels_[i].size, out);
     }

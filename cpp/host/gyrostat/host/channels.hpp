@@ -36,6 +36,13 @@ struct Vehicles {
   double dt = 0;
 };
 
+/// What an observer and its detector say.
+struct PairView {
+  const Estimate<double>* x = nullptr;
+  const Detection<double>* det = nullptr;
+  int actuators = 0;
+};
+
 /// All that a channel may read at one sample. Truth is one-sided: the interval just ended.
 class Moment {
  public:
@@ -63,8 +70,7 @@ class Moment {
   double t = 0;
   const Measurement<double>* y = nullptr;
   const Reference<double>* ref = nullptr;
-  const Estimate<double>* x = nullptr;
-  const Detection<double>* det = nullptr;
+  PairView pair;
   const Demand<double>* demand = nullptr;
   const Allocation<double>* last = nullptr;
   VecN<double> u_held;  ///< command over the interval just ended
@@ -91,8 +97,7 @@ struct Reported {
 /// An observer and detector beside the loop.
 struct ShadowView {
   std::string role;
-  const Estimate<double>* x = nullptr;
-  const Detection<double>* det = nullptr;
+  PairView pair;
 };
 
 /// Chosen channels, read together. What nobody chose is never computed.
@@ -126,9 +131,9 @@ class ChannelReader {
  private:
   struct Source {  // of one channel; exactly one of the first three
     void (*fill)(const Moment&, double*) = nullptr;
-    void (*fill_shadow)(const ShadowView&, double*) = nullptr;
+    void (*fill_pair)(const PairView&, double*) = nullptr;
     int component = -1;
-    std::size_t part = 0;    // which shadow; position in the component's row
+    std::size_t part = 0;    // 0: the loop's pair, else a shadow counted from 1; position in the component's row
     std::size_t offset = 0;  // in row_
   };
   struct Telemetry {  // a component with chosen inner signals

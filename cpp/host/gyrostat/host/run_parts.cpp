@@ -16,7 +16,7 @@ FlightParts::FlightParts(const Assembly& a, const ExternalComponents& external)
     const std::string role = "shadow" + std::to_string(i);
     components.push_back({role + ".observer", &shadows[i].observer.reporting()});
     components.push_back({role + ".detector", &shadows[i].detector.reporting()});
-    views.push_back({role, &shadows[i].estimate(), &shadows[i].detection()});
+    views.push_back({role, {&shadows[i].estimate(), &shadows[i].detection(), a.setup.vehicle.actuators()}});
   }
   for (const auto& [role, component] : outside.reports) components.push_back({role, component.get()});
 }

@@ -48,8 +48,7 @@ class Moments {
   Moments(const Assembly& a, const Plant& plant, const Stack& stack, bool previous)
       : moment_(a.vehicles, plant), previous_(previous) {
     moment_.u_held = VecN<double>::Zero(a.setup.vehicle.actuators());
-    moment_.x = &stack.estimate();
-    moment_.det = &stack.detection();
+    moment_.pair = {&stack.estimate(), &stack.detection(), a.setup.vehicle.actuators()};
     moment_.demand = &stack.demand();
     moment_.last = &stack.last();
   }
