@@ -485,11 +485,12 @@ TYPED_TEST(Guard, AJumpBeginsAtItsScales) {
     Measurement<S> from;
     from.h_w.setZero(4);
     from.omega_BN_B = rate;
+    const Motion<S> motion{from.q_NB, from.omega_BN_B, from.h_w};
     Measurement<S> below = from, above = from;
     change(below, static_cast<S>(0.99 * at));
     change(above, static_cast<S>(1.01 * at));
-    EXPECT_FALSE(guard.jumps(from, from.axes, below, u)) << what;
-    EXPECT_TRUE(guard.jumps(from, from.axes, above, u)) << what;
+    EXPECT_FALSE(guard.jumps(motion, from.axes, below, u)) << what;
+    EXPECT_TRUE(guard.jumps(motion, from.axes, above, u)) << what;
   };
   const auto rate = [](Measurement<S>& y, S x) { y.omega_BN_B[1] += x; };
   const auto momentum = [](Measurement<S>& y, S x) { y.h_w[2] -= x; };
@@ -507,8 +508,9 @@ TYPED_TEST(Guard, AJumpBeginsAtItsScales) {
     Measurement<S> from, to;
     from.h_w.setZero(4);
     to = from;
+    const Motion<S> motion{from.q_NB, from.omega_BN_B, from.h_w};
     to.omega_BN_B[0] = static_cast<S>(size * std::max(0.02, 0.0001 * 100 * T / 3));
-    EXPECT_EQ(gyrostat::Guard<S>(setup).jumps(from, from.axes, to, nothing), size > 1);
+    EXPECT_EQ(gyrostat::Guard<S>(setup).jumps(motion, from.axes, to, nothing), size > 1);
   }
 }
 

@@ -114,15 +114,15 @@ class Guard {
   bool sane(const VecN<S>& u) const noexcept { return within(u, command_); }
 
   /// Whether no motion leads from one sample to the next: one of the two is wrong.
-  /// @param from  a Measurement or a Motion
   /// @param axes  at `from`
   /// @param u  what was issued in between
-  bool jumps(const auto& from, const Axes<S>& axes, const Measurement<S>& to, const VecN<S>& u) const noexcept {
+  bool jumps(const Motion<S>& from, const Axes<S>& axes, const Measurement<S>& to, const VecN<S>& u) const noexcept {
     return rates_jump(from, axes, to, u) || attitude_jumps(from, to);
   }
 
   /// Of rate and wheel momentum: the interval teaches nothing.
-  bool rates_jump(const auto& from, const Axes<S>& axes, const Measurement<S>& to, const VecN<S>& u) const noexcept {
+  bool rates_jump(const Motion<S>& from, const Axes<S>& axes, const Measurement<S>& to,
+                  const VecN<S>& u) const noexcept {
     const Vec3<S> rate = to.omega_BN_B - from.omega_BN_B - to.rate_step;
     const VecN<S> momentum = to.h_w - from.h_w;
     if (within(rate, dt_ * acceleration_) && within(momentum, dt_ * S(100) * torque_)) return false;  // as a rule
@@ -135,7 +135,7 @@ class Guard {
            !within(momentum, dt_ * (S(100) * torque_ + S(2) * most));
   }
 
-  bool attitude_jumps(const auto& from, const Measurement<S>& to) const noexcept {
+  bool attitude_jumps(const Motion<S>& from, const Measurement<S>& to) const noexcept {
     const S cosine = to.q_NB.dot(from.q_NB);
     const S squared_sine = S(1) - cosine * cosine / (to.q_NB.squaredNorm() * from.q_NB.squaredNorm());
     if (squared_sine <= S(0.01)) return false;  // 0.2 rad

@@ -75,7 +75,7 @@ class Inputs {
     judge(guard, in);
     if (in.tick == y_.tick && in.tick != 0) replace_all();
     const std::uint32_t event = y_.event;
-    if (replaced_.measurement() || guard.jumps(y_, y_.axes, in, u)) {
+    if (replaced_.measurement() || guard.jumps(motion(y_), y_.axes, in, u)) {
       y_ = completed(guard, in, x, u);
     } else {
       doubts_ = 0;
@@ -90,9 +90,9 @@ class Inputs {
                            const VecN<S>& u) noexcept {
     constexpr int patience = 10;  // samples
     const Measurement<S> y = carried_on(guard, in, x, u);
-    const bool jumps = guard.jumps(y_, y_.axes, y, u);
+    const bool jumps = guard.jumps(motion(y_), y_.axes, y, u);
     if (jumps && doubts_ == patience) {
-      jumped_ = guard.rates_jump(y_, y_.axes, y, u);
+      jumped_ = guard.rates_jump(motion(y_), y_.axes, y, u);
       return y;
     }
     jumped_ = jumps && doubts_ > 0 && !guard.jumps(doubted_, y_.axes, y, u);
@@ -101,7 +101,7 @@ class Inputs {
       return y;
     }
     ++doubts_;
-    doubted_ = {y.q_NB, y.omega_BN_B, y.h_w};
+    doubted_ = motion(y);
     replace_all();
     return carried_on(guard, in, x, u);
   }
@@ -115,6 +115,7 @@ class Inputs {
     return y;
   }
 
+  static Motion<S> motion(const Measurement<S>& y) noexcept { return {y.q_NB, y.omega_BN_B, y.h_w}; }
   void replace_all() noexcept { replaced_.attitude = replaced_.rate = replaced_.momentum = true; }
 
   Measurement<S> y_;
