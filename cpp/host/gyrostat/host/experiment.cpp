@@ -195,8 +195,8 @@ class Experiment::Worker {
     std::vector<typename Measuring<Plant>::Meter> meters;
     const double onset = last_fault(o.a);
     for (const Meter& m : e_.meters_) {
-      const std::span<const double> x = reader[index_of(reader, m.channel)];
-      meters.push_back({m.column < 0 ? x : x.subspan(static_cast<std::size_t>(m.column), 1), m.metric});
+      const std::span<const double> channel = reader[index_of(reader, m.channel)];
+      meters.push_back({m.column < 0 ? channel : channel.subspan(static_cast<std::size_t>(m.column), 1), m.metric});
       const auto is_onset = [&](const Field& f) {
         return std::find(m.at_last_fault.begin(), m.at_last_fault.end(), f.name) != m.at_last_fault.end();
       };
