@@ -1,62 +1,30 @@
 // SPDX-License-Identifier: MIT
-// Flight code on an embedded target: compiled without exceptions and RTTI, and not one allocation in a thousand samples. Eigen
-// allocates past operator new, so it is asked to assert that it does not. GYROSTAT_TEST_SCALAR is float or double, a file each:
-// they take long to compile.
+// Flight code on an embedded target: compiled without exceptions and RTTI, and not one allocation in a thousand samples.
+// GYROSTAT_TEST_SCALAR is float or double, a file each. Components are compiled in any_estimation.cpp and any_actuation.cpp.
 #pragma once
-#include <algorithm>
-#include <atomic>
-#include <cstdlib>
-#include <cstring>
-#include <new>
-#include <string_view>
-
-namespace {
-std::atomic<long> allocations{0};
-std::atomic<long> eigen_failures{0};
-}  // namespace
-
-#define EIGEN_RUNTIME_NO_MALLOC
-#define eigen_assert(condition)         \
-  do {                                  \
-    if (!(condition)) ++eigen_failures; \
-  } while (false)
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  std::abort();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+#include "contract/counted_eigen.hpp"  // first
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <algorithm>
+#include <cstring>
+#include <string_view>
 
-#include "gyrostat/flight/allocators.hpp"
-#include "gyrostat/flight/navigators.hpp"
-#include "stacks.hpp"
+#include "any_components.hpp"
 
 namespace gyrostat::test {
 namespace {
 
-#ifdef __cpp_exceptions
-#error "this test is meant to be compiled with -fno-exceptions"
-#endif
-#ifdef __cpp_rtti
-#error "this test is meant to be compiled with -fno-rtti"
-#endif
+void for_every_stack(const auto& setup, auto&& with) { for_every_component(setup, {}, with); }
 
-template <class S>
-void for_every_stack(const gyrostat::Setup<S>& setup, auto&& with) {
-  for_every_component<S, Observers, Detectors, Controllers, Allocators>(setup, with);
+/// The stacks as a user writes them: none of them can throw.
+template <class S, std::size_t... i>
+constexpr bool no_stack_can_throw(std::index_sequence<i...>) {
+  return (FlightStack<Observers::at<S, i>, Detectors::at<S, i>, Controllers::at<S, i>, Allocators::at<S, i>,
+                      Navigators::at<S, i>>::cannot_throw &&
+          ...);
 }
-
-/// Out of line, so that each stack is compiled once.
-template <class Stack, class S = typename Stack::Scalar>
-[[gnu::noinline]] const Allocation<S>& step(Stack& stack, const Measurement<S>& y, const Reference<S>& ref = {}) {
-  return stack.step(y, ref);
-}
+static_assert(no_stack_can_throw<GYROSTAT_TEST_SCALAR>(std::make_index_sequence<Controllers::count>{}));
 
 template <class S>
 class Embedded : public testing::Test {};
@@ -70,12 +38,10 @@ TYPED_TEST(Embedded, NoAllocationFromConstructionOn) {
   Eigen::internal::set_is_malloc_allowed(false);
   int stacks = 0;
   bool finite = true;
-  for_every_stack<S>(setup, [&](auto stack) {
-    static_assert(decltype(stack)::cannot_throw);
-    static_assert(noexcept(stack.step(std::declval<const Measurement<S>&>(), std::declval<const Reference<S>&>())));
-    for (Tick k = 0; k < 1000; ++k) finite = finite && step(stack, wobble<S>(k, 4)).u.allFinite();
+  for_every_stack(setup, [&](AnyStack<S> stack) {
+    for (Tick k = 0; k < 1000; ++k) finite = finite && stack.step(wobble<S>(k, 4)).u.allFinite();
     stack.reset();
-    step(stack, wobble<S>(0, 4));
+    stack.step(wobble<S>(0, 4));
     ++stacks;
   });
   Eigen::internal::set_is_malloc_allowed(true);
@@ -85,15 +51,47 @@ TYPED_TEST(Embedded, NoAllocationFromConstructionOn) {
   EXPECT_TRUE(finite);
 }
 
+/// A stack of components behind an interface is the stack of the components themselves, and these fly it without the heap.
+TYPED_TEST(Embedded, StacksAreWhatTheyAreOfComponentsByType) {
+  using S = TypeParam;
+  using Stack = FlightStack<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>;
+  const gyrostat::Setup<S> setup = ftc_4rw<S>();
+  const long before = allocations, failed = eigen_failures;
+  Eigen::internal::set_is_malloc_allowed(false);
+  auto stack = by_default<Stack>(setup);
+  auto any = stack_of<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>(setup);
+  static_assert(noexcept(stack.step(std::declval<const Measurement<S>&>(), std::declval<const Reference<S>&>())));
+  bool same = true;
+  for (Tick k = 0; k < 1000; ++k) {
+    Measurement<S> y = wobble<S>(k, 4);
+    if (k % 7 == 1) y.omega_BN_B[0] = std::numeric_limits<S>::quiet_NaN();
+    same = same && stack.step(y, {}).u == any.step(y).u && stack.last().status == any.last().status;
+  }
+  Eigen::internal::set_is_malloc_allowed(true);
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(eigen_failures - failed, 0);
+  EXPECT_TRUE(same);
+}
+
+/// A simple stack behind a navigator.
+template <class S>
+AnyStack<S, AnyNavigator<S>> behind(Maker<NavigatorRole<S>> navigator, const gyrostat::Setup<S>& setup) {
+  const std::array observer{Making<PassthroughObserver<S>>::maker()};
+  const std::array detector{Making<NoDetector<S>>::maker()};
+  const std::array controller{Making<MrpFeedback<S>>::maker()};
+  const std::array allocator{Making<PseudoInverse<S>>::maker()};
+  return Parts<S>{observer, detector, controller, allocator}.stack(0, setup, setup,
+                                                                   AnyNavigator<S>(navigator, setup, setup));
+}
+
 /// Navigators see what others do not: samples of which nothing is valid.
 TYPED_TEST(Embedded, NavigatorsAllocateNothingAndBearWhatComes) {
   using S = TypeParam;
   const gyrostat::Setup<S> setup = ftc_4rw<S>();
   const S nan = std::numeric_limits<S>::quiet_NaN();
   int stacks = 0;
-  for_every_component<S, Components<PassthroughObserver>, Components<NoDetector>, Components<MrpFeedback>,
-                      Components<PseudoInverse>, Navigators>(setup, [&](auto stack) {
-    static_assert(decltype(stack)::cannot_throw);
+  for (const auto& navigator : makers<NavigatorRole<S>>()) {
+    auto stack = behind<S>(navigator, setup);
     const long before = allocations, failed = eigen_failures;
     Eigen::internal::set_is_malloc_allowed(false);
     bool finite = true;
@@ -103,32 +101,32 @@ TYPED_TEST(Embedded, NavigatorsAllocateNothingAndBearWhatComes) {
       if (k % 11 == 1) y.omega_BN_B[0] = nan;
       if (k % 300 > 280) y.attitude_valid = y.rate_valid = y.momentum_valid = false;
       if (k % 90 == 50) y.q_NB = Quat<S>(0, 0, 1, 0);
-      finite = finite && step(stack, y).u.allFinite();
+      finite = finite && stack.step(y).u.allFinite();
     }
     stack.reset();
-    step(stack, wobble<S>(0, 4));
+    stack.step(wobble<S>(0, 4));
     Eigen::internal::set_is_malloc_allowed(true);
     EXPECT_EQ(allocations - before, 0);
     EXPECT_EQ(eigen_failures - failed, 0);
     EXPECT_TRUE(finite);
     ++stacks;
-  });
+  }
   EXPECT_EQ(stacks, static_cast<int>(Navigators::count));
 }
 
 /// The attitude filter on sun and field alone: started, blinded, deceived, started again.
 TYPED_TEST(Embedded, DirectionsAllocateNothingAndBearWhatComes) {
   using S = TypeParam;
-  using Stack = FlightStack<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>, Mekf<S>>;
   const gyrostat::Setup<S> setup = ftc_4rw<S>();
   const S nan = std::numeric_limits<S>::quiet_NaN();
   for (const auto how : {Mekf<S>::Acquisition::quest, Mekf<S>::Acquisition::triad}) {
-    typename Stack::Params p(setup);
-    p.navigator.sun_noise = S(1e-3);
-    p.navigator.field_noise = S(1e-7);
-    p.navigator.latency = 3;
-    p.navigator.acquisition = how;
-    Stack stack(unchecked, setup, p);
+    typename Mekf<S>::Params p(setup);
+    p.sun_noise = S(1e-3);
+    p.field_noise = S(1e-7);
+    p.latency = 3;
+    p.acquisition = how;
+    auto stack = behind<S>(Making<Mekf<S>>::maker(), setup);
+    stack.navigation.navigator.template as<Mekf<S>>() = Mekf<S>(unchecked, setup, p);
     const long before = allocations, failed = eigen_failures;
     Eigen::internal::set_is_malloc_allowed(false);
     bool finite = true;
@@ -145,7 +143,7 @@ TYPED_TEST(Embedded, DirectionsAllocateNothingAndBearWhatComes) {
       if (k % 11 == 1) y.field_N.setZero();
       if (k % 13 == 1) y.field_B.setConstant(S(1));
       if (k % 300 > 250) y.sun_B = -y.sun_B;
-      finite = finite && step(stack, y).u.allFinite();
+      finite = finite && stack.step(y).u.allFinite();
     }
     Eigen::internal::set_is_malloc_allowed(true);
     EXPECT_EQ(allocations - before, 0);
@@ -173,10 +171,10 @@ TYPED_TEST(Embedded, CommandsStayInsideTheirLimitsWhateverComesIn) {
   // Four equal numbers of any size here are no quaternion; a rate or momentum of 1e6 is beyond any motion of this vehicle.
   const auto impossible = [](int field, S spoil) { return field == 1 || field == 5 || !(std::abs(spoil) < S(1e6)); };
   int stacks = 0;
-  for_every_stack<S>(setup, [&](auto stack) {
+  for_every_stack(setup, [&](AnyStack<S> stack) {
     Tick k = 0;
     const auto inside = [&](const Measurement<S>& y, const Reference<S>& ref) {
-      const VecN<S>& u = step(stack, y, ref).u;
+      const VecN<S>& u = stack.step(y, ref).u;
       return u.allFinite() && (u.array() >= setup.vehicle.u_lo.array()).all() &&
              (u.array() <= setup.vehicle.u_up.array()).all();
     };
@@ -208,14 +206,11 @@ TYPED_TEST(Embedded, CommandsStayInsideTheirLimitsWhateverComesIn) {
 
 TYPED_TEST(Embedded, TelemetryAllocatesNothingEither) {
   using S = TypeParam;
-  for_every_stack<S>(ftc_4rw<S>(), [](auto stack) {
-    step(stack, wobble<S>(0, 4));
+  for_every_stack(ftc_4rw<S>(), [](AnyStack<S> stack) {
+    stack.step(wobble<S>(0, 4));
     const long before = allocations;
-    long values = 0;
-    stack.estimator.observer.telemetry([&values](auto, const auto&) { ++values; });
-    stack.estimator.detector.telemetry([&values](auto, const auto&) { ++values; });
-    stack.controller.telemetry([&values](auto, const auto&) { ++values; });
-    stack.allocator.telemetry([&values](auto, const auto&) { ++values; });
+    const long values = stack.estimator.observer.telemetry_values() + stack.estimator.detector.telemetry_values() +
+                        stack.controller.telemetry_values() + stack.allocator.telemetry_values();
     EXPECT_EQ(allocations - before, 0);
     EXPECT_GT(values, 0);
   });
@@ -223,11 +218,11 @@ TYPED_TEST(Embedded, TelemetryAllocatesNothingEither) {
 
 TYPED_TEST(Embedded, AResetIsAsConstructed) {
   using S = TypeParam;
-  for_every_stack<S>(ftc_4rw<S>(), [](auto stack) {
+  for_every_stack(ftc_4rw<S>(), [](AnyStack<S> stack) {
     auto used = stack;
-    for (Tick k = 0; k < 20; ++k) step(used, wobble<S>(k, 4));
+    for (Tick k = 0; k < 20; ++k) used.step(wobble<S>(k, 4));
     used.reset();
-    for (Tick k = 0; k < 5; ++k) EXPECT_EQ(step(used, wobble<S>(k, 4)).u, step(stack, wobble<S>(k, 4)).u);
+    for (Tick k = 0; k < 5; ++k) EXPECT_EQ(used.step(wobble<S>(k, 4)).u, stack.step(wobble<S>(k, 4)).u);
   });
 }
 

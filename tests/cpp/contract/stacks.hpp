@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
 /// @file  Static stacks with default parameters, and measurements for them.
 #pragma once
-#include <algorithm>
 #include <cmath>
 #include <type_traits>
-#include <utility>
 
 #include "../flight/vehicles.hpp"
+#include "any.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
-#include "gyrostat/flight/controllers.hpp"
-#include "gyrostat/flight/detectors.hpp"
-#include "gyrostat/flight/observers.hpp"
-#include "gyrostat/flight/stack.hpp"
+#include "gyrostat/flight/controllers/mrp_feedback.hpp"
+#include "gyrostat/flight/controllers/open_loop.hpp"
+#include "gyrostat/flight/detectors/none.hpp"
+#include "gyrostat/flight/observers/passthrough.hpp"
 
 namespace gyrostat::test {
 
@@ -20,22 +19,28 @@ template <class T>
 concept TakesNoUncheckedParameters =
     !std::is_constructible_v<T, const Setup<typename T::Scalar>&, const typename T::Params&>;
 
-/// Of observer, detector, controller, allocator and, if it likes, navigator.
-template <class O, class... Others>
-auto stack_of(const Setup<typename O::Scalar>& s) {
-  static_assert(TakesNoUncheckedParameters<O> && (TakesNoUncheckedParameters<Others> && ...));
-  return by_default<FlightStack<O, Others...>>(s);
+/// Where a component is compiled: here, unless any_components.hpp knows it.
+template <class T>
+struct Making {
+  static Maker<RoleOf<T>> maker() { return maker_of<T>(); }
+};
+
+template <class S>
+NoNavigator<S> no_navigator(const Setup<S>& s) {
+  return {unchecked, s, typename NoNavigator<S>::Params(s)};
 }
 
-/// Calls `with` for stacks that between them hold every component of four lists (observers, detectors, controllers,
-/// allocators) or five (navigators): the i-th stack has the i-th of each, counted round.
-template <class S, class... Lists>
-void for_every_component(const Setup<S>& s, auto&& with) {
-  constexpr std::size_t stacks = std::max({Lists::count...});
-  const auto one = [&]<std::size_t i>() { with(stack_of<typename Lists::template at<S, i>...>(s)); };
-  [&]<std::size_t... i>(std::index_sequence<i...>) {
-    (one.template operator()<i>(), ...);
-  }(std::make_index_sequence<stacks>{});
+/// Of observer, detector, controller and allocator, with default parameters.
+template <TakesNoUncheckedParameters O, TakesNoUncheckedParameters D, TakesNoUncheckedParameters C,
+          TakesNoUncheckedParameters A, class S = typename O::Scalar>
+AnyStack<S> stack_of(const Setup<S>& s) {
+  return {s,
+          {Making<O>::maker(), s, s},
+          {Making<D>::maker(), s, s},
+          {Making<C>::maker(), s, s},
+          {Making<A>::maker(), s, s},
+          no_navigator(s),
+          {}};
 }
 
 /// A measurement of a body that turns and nods; no plant, so that nothing but flight is exercised.

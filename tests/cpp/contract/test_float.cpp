@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What holds of every component in float beside double, and how large signals are.
+#include "contract/counted_eigen.hpp"  // first
+
 #include <gtest/gtest.h>
 
-#include "gyrostat/flight/allocators.hpp"
-#include "stacks.hpp"
+#include "any_components.hpp"
 
 namespace gyrostat::test {
 namespace {
@@ -64,10 +65,7 @@ VecN<double> answer(T& allocator, Tick k) {
 }
 
 /// Over 500 samples, of the largest number that the component gives.
-template <class Float, class Double>
-double float_deviation() {
-  auto one = by_default<Float>(ftc_4rw<float>());
-  auto other = by_default<Double>(ftc_4rw<double>());
+double float_deviation(auto& one, auto& other) {
   double worst = 0, largest = 0;
   for (Tick k = 0; k < 500; ++k) {
     const VecN<double> a = answer(one, k), b = answer(other, k);
@@ -77,28 +75,27 @@ double float_deviation() {
   return largest > 0 ? worst / largest : worst;
 }
 
-/// Every component of a list but those that say `switching`; how many there were.
-template <class List>
+/// Every component of a role but those that say `switching`; how many there were.
+template <template <class> class Any, template <class> class Role>
 int expect_float_to_follow_double() {
+  const gyrostat::Setup<float> setup = ftc_4rw<float>();
+  const gyrostat::Setup<double> same = ftc_4rw<double>();
   int held = 0;
-  const auto one = [&]<std::size_t i>() {
-    using T = typename List::template at<double, i>;
-    if constexpr (!traits_of<T>().switching) {
-      EXPECT_LT((float_deviation<typename List::template at<float, i>, T>()), 1e-3) << T::name;
-      ++held;
-    }
-  };
-  [&]<std::size_t... i>(std::index_sequence<i...>) {
-    (one.template operator()<i>(), ...);
-  }(std::make_index_sequence<List::count>{});
+  for (std::size_t i = 0; i < makers<Role<double>>().size(); ++i) {
+    Any<float> one(makers<Role<float>>()[i], setup, setup);
+    Any<double> other(makers<Role<double>>()[i], same, same);
+    if (other.traits().switching) continue;
+    EXPECT_LT(float_deviation(one, other), 1e-3) << other.name();
+    ++held;
+  }
   return held;
 }
 
 TEST(EmbeddedFloat, FollowsDoubleSampleBySampleWhereNothingSwitches) {
-  EXPECT_GT(expect_float_to_follow_double<Observers>(), 0);
-  EXPECT_GT(expect_float_to_follow_double<Detectors>(), 0);
-  EXPECT_GT(expect_float_to_follow_double<Controllers>(), 0);
-  EXPECT_GT(expect_float_to_follow_double<Allocators>(), 0);
+  EXPECT_GT((expect_float_to_follow_double<AnyObserver, ObserverRole>()), 0);
+  EXPECT_GT((expect_float_to_follow_double<AnyDetector, DetectorRole>()), 0);
+  EXPECT_GT((expect_float_to_follow_double<AnyController, ControllerRole>()), 0);
+  EXPECT_GT((expect_float_to_follow_double<AnyAllocator, AllocatorRole>()), 0);
 }
 
 TEST(Signals, StaySmall) {

@@ -1,19 +1,33 @@
 // SPDX-License-Identifier: MIT
 // What stands before the observer: a navigator sees each sensor alone, its knowledge is no torque, and no navigator is none.
+#include "contract/counted_eigen.hpp"  // first
+
 #include <gtest/gtest.h>
 
 #include "../flight/closed_loop.hpp"
-#include "gyrostat/flight/allocators.hpp"
-#include "gyrostat/flight/navigators.hpp"
-#include "stacks.hpp"
+#include "any_components.hpp"
 
 namespace gyrostat::test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-template <class N, class O = PassthroughObserver<double>>
-using With = FlightStack<O, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>, N>;
+using Navigated = AnyStack<double, AnyNavigator<double>>;
+
+template <class N>
+AnyNavigator<double> navigator(const gyrostat::Setup<double>& setup) {
+  return {Making<N>::maker(), setup, setup};
+}
+
+template <class N>
+Navigated with(const gyrostat::Setup<double>& setup,
+               Maker<ObserverRole<double>> observer = Making<PassthroughObserver<double>>::maker()) {
+  const std::array observers{observer};
+  const std::array detectors{Making<NoDetector<double>>::maker()};
+  const std::array controllers{Making<MrpFeedback<double>>::maker()};
+  const std::array allocators{Making<PseudoInverse<double>>::maker()};
+  return Parts<double>{observers, detectors, controllers, allocators}.stack(0, setup, setup, navigator<N>(setup));
+}
 
 /// What every navigator of a test has.
 struct TestNavigator {
@@ -89,34 +103,35 @@ struct Learning : TestNavigator {
 };
 
 static_assert(
-    sizeof(With<NoNavigator<double>>) ==
+    sizeof(FlightStack<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>,
+                       NoNavigator<double>>) ==
     sizeof(FlightStack<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>));
 
 TEST(Navigation, NoneIsEveryStackAsItWasToTheLastBit) {
   const gyrostat::Setup<double> setup = ftc_4rw<double>();
-  int stacks = 0;
-  using Laws = Components<MrpFeedback, IntegralSlidingMode>;
-  for_every_component<double, Observers, Detectors, Laws, Components<PseudoInverse>>(
-      setup, [&]<class O, class D, class C, class A>(FlightStack<O, D, C, A> plain) {
-        auto copying = by_default<FlightStack<O, D, C, A, Copying>>(setup);
-        for (Tick k = 0; k < 200; ++k) {
-          Measurement<double> y = wobble<double>(k, 4);
-          if (k % 37 == 5) y.omega_BN_B[0] = nan;
-          if (k % 41 == 7) y.attitude_valid = false;
-          if (k % 50 == 9) y.tick = k - 1;
-          ASSERT_EQ(plain.step(y, {}).u, copying.step(y, {}).u) << k;
-          ASSERT_EQ(plain.estimate().d_B, copying.estimate().d_B) << k;
-          ASSERT_EQ(plain.last().status, copying.last().status) << k;
-        }
-        EXPECT_EQ(copying.navigation.navigator.starts, 1);
-        ++stacks;
-      });
-  EXPECT_EQ(stacks, static_cast<int>(Observers::count));
+  const std::array laws{Making<MrpFeedback<double>>::maker(), Making<IntegralSlidingMode<double>>::maker()};
+  const std::array allocator{Making<PseudoInverse<double>>::maker()};
+  const Parts<double> parts{.controllers = laws, .allocators = allocator};
+  for (std::size_t i = 0; i < parts.stacks(); ++i) {
+    AnyStack<double> plain = parts.stack(i, setup);
+    Navigated copying = parts.stack(i, setup, setup, navigator<Copying>(setup));
+    for (Tick k = 0; k < 200; ++k) {
+      Measurement<double> y = wobble<double>(k, 4);
+      if (k % 37 == 5) y.omega_BN_B[0] = nan;
+      if (k % 41 == 7) y.attitude_valid = false;
+      if (k % 50 == 9) y.tick = k - 1;
+      ASSERT_EQ(plain.step(y).u, copying.step(y).u) << k;
+      ASSERT_EQ(plain.estimate().d_B, copying.estimate().d_B) << k;
+      ASSERT_EQ(plain.last().status, copying.last().status) << k;
+    }
+    EXPECT_EQ(copying.navigation.navigator.as<Copying>().starts, 1);
+  }
+  EXPECT_EQ(parts.stacks(), Observers::count);
 }
 
 TEST(Navigation, ToldOfEachSensorAloneWhatWasNotMeasured) {
-  auto stack = by_default<With<Copying>>(ftc_4rw<double>());
-  const Measurement<double>& seen = stack.navigation.navigator.seen;
+  auto stack = with<Copying>(ftc_4rw<double>());
+  const Measurement<double>& seen = stack.navigation.navigator.as<Copying>().seen;
   for (Tick k = 0; k < 10; ++k) stack.step(wobble<double>(k, 4), {});
   EXPECT_TRUE(seen.attitude_valid && seen.rate_valid && seen.momentum_valid);
   Measurement<double> y = wobble<double>(10, 4);
@@ -139,7 +154,7 @@ TEST(Navigation, ToldOfEachSensorAloneWhatWasNotMeasured) {
 /// A star tracker that is blind for three seconds of a slew: on the gyro alone the vehicle points as before.
 TEST(Navigation, OneSensorWithoutAWordDoesNotStopTheOthers) {
   const gyrostat::Setup<double> setup = ftc_4rw<double>();
-  auto stack = by_default<With<DeadReckoning>>(setup);
+  auto stack = with<DeadReckoning>(setup);
   Body body(setup.vehicle);
   body.q_NB = quat_exp<double>({0.5, -0.3, 0.2});
   int held = 0;
@@ -154,8 +169,8 @@ TEST(Navigation, OneSensorWithoutAWordDoesNotStopTheOthers) {
 }
 
 TEST(Navigation, AnImpossibleOutputStartsItAgain) {
-  auto stack = by_default<With<Failing<false>>>(ftc_4rw<double>());
-  auto plain = by_default<With<NoNavigator<double>>>(ftc_4rw<double>());
+  auto stack = with<Failing<false>>(ftc_4rw<double>());
+  auto plain = with<NoNavigator<double>>(ftc_4rw<double>());
   for (Tick k = 0; k < 60; ++k) {
     stack.step(wobble<double>(k, 4), {});
     plain.step(wobble<double>(k, 4), {});
@@ -166,8 +181,8 @@ TEST(Navigation, AnImpossibleOutputStartsItAgain) {
 }
 
 TEST(Navigation, ThatFailsTwiceLeavesTheSensorsAsTheyAre) {
-  auto stack = by_default<With<Failing<true>>>(ftc_4rw<double>());
-  auto plain = by_default<With<NoNavigator<double>>>(ftc_4rw<double>());
+  auto stack = with<Failing<true>>(ftc_4rw<double>());
+  auto plain = with<NoNavigator<double>>(ftc_4rw<double>());
   for (Tick k = 0; k < 60; ++k) {
     stack.step(wobble<double>(k, 4), {});
     plain.step(wobble<double>(k, 4), {});
@@ -177,13 +192,13 @@ TEST(Navigation, ThatFailsTwiceLeavesTheSensorsAsTheyAre) {
 }
 
 TEST(Navigation, StartsAgainWithTheStack) {
-  auto stack = by_default<With<Copying>>(ftc_4rw<double>());
+  auto stack = with<Copying>(ftc_4rw<double>());
   stack.step(wobble<double>(0, 4), {});
   stack.step(wobble<double>(1, 4), {});
-  EXPECT_EQ(stack.navigation.navigator.starts, 1);
+  EXPECT_EQ(stack.navigation.navigator.as<Copying>().starts, 1);
   stack.reset();
   stack.step(wobble<double>(2, 4), {});
-  EXPECT_EQ(stack.navigation.navigator.starts, 2);
+  EXPECT_EQ(stack.navigation.navigator.as<Copying>().starts, 2);
 }
 
 /// A gyro bias of 5 mrad/s that becomes known at once is J db / dt = 10 N m to who differentiates the rate: five times what
@@ -191,12 +206,14 @@ TEST(Navigation, StartsAgainWithTheStack) {
 TEST(Navigation, KnowledgeIsNoTorqueToAnyObserver) {
   const gyrostat::Setup<double> setup = ftc_4rw<double>();
   int observers = 0, deceived = 0;
-  Observers::each<double>([&]<class O>() {
+  for (const auto& observer : makers<ObserverRole<double>>()) {
     double moved[2] = {0, 0};
+    const char* name = "";
     for (const bool says_so : {true, false}) {
       Learning::bias = {5e-3, -5e-3, 5e-3};
       Learning::says_so = says_so;
-      auto stack = by_default<With<Learning, O>>(setup);
+      Navigated stack = with<Learning>(setup, observer);
+      name = stack.estimator.observer.name();
       Body body(setup.vehicle);
       body.d_B = {2e-3, -1e-3, 1e-3};
       const auto one = [&](Tick k) {
@@ -214,11 +231,11 @@ TEST(Navigation, KnowledgeIsNoTorqueToAnyObserver) {
         moved[says_so ? 0 : 1] = std::max(moved[says_so ? 0 : 1], change);
       }
     }
-    EXPECT_LT(moved[0], 0.1) << O::name << ": no more than what the law's own reaction to the better rate teaches";
-    EXPECT_LE(moved[0], moved[1]) << O::name;
+    EXPECT_LT(moved[0], 0.1) << name << ": no more than what the law's own reaction to the better rate teaches";
+    EXPECT_LE(moved[0], moved[1]) << name;
     deceived += moved[1] > 0.2 ? 1 : 0;
     ++observers;
-  });
+  }
   EXPECT_EQ(observers, static_cast<int>(Observers::count));
   EXPECT_GE(deceived, 3) << "without a word the bias is a torque: the test sees what it is for";
 }

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "gyrostat/flight/detectors/threshold.hpp"
+#include "gyrostat/flight/observers/iterative_learning.hpp"
 #include "stacks.hpp"
 
 namespace gyrostat::test {
@@ -15,7 +17,7 @@ constexpr Tick trouble = 10;
 
 template <class O = PassthroughObserver<double>, class D = NoDetector<double>, class C = MrpFeedback<double>,
           class A = PseudoInverse<double>>
-FlightStack<O, D, C, A> flown(const gyrostat::Setup<double>& setup = ftc_4rw<double>()) {
+AnyStack<double> flown(const gyrostat::Setup<double>& setup = ftc_4rw<double>()) {
   return stack_of<O, D, C, A>(setup);
 }
 
@@ -188,8 +190,7 @@ struct LostDetector : NoDetector<double> {
 };
 
 /// Steps until after the trouble; every sample of it must hold the command from before, and say so.
-template <class Stack>
-void expect_held_from_trouble_on(Stack& stack) {
+void expect_held_from_trouble_on(AnyStack<double>& stack) {
   for (Tick k = 0; k < trouble; ++k) stack.step(wobble<double>(k, 4), {});
   const VecN<double> previous = stack.last().u;
   EXPECT_FALSE(stack.last().status.has(Flag::component_reset));
