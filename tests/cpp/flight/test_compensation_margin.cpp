@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-
+#include "../algebra.hpp"
 #include "../random.hpp"
 #include "closed_loop.hpp"
 #include "li2018.hpp"
@@ -24,7 +23,7 @@ double abscissa(double m, double r, double l1, double l2) {
   M.row(0) = m * u;
   M.row(1) = (m - 1) * u - theta;
   M.row(2) << 0, l2, 0;
-  return M.eigenvalues().real().maxCoeff();
+  return eigenvalues(M).real().maxCoeff();
 }
 
 TEST(CompensationMargin, StabilityIsThatOfTheRootsOfTheLoop) {

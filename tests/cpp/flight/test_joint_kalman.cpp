@@ -3,10 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <numeric>
+#include <functional>
+#include <type_traits>
 #include <vector>
 
+#include "../algebra.hpp"
 #include "../random.hpp"
 #include "alone.hpp"
 #include "telemetry_log.hpp"
@@ -14,9 +15,6 @@
 
 namespace gyrostat::test {
 namespace {
-
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 /// Rigid body with wheels or torquers, one RK4 step a sample; an actuator delivers effectiveness * u + bias.
 struct Plant {
@@ -123,6 +121,13 @@ template <class S>
   return observer.skip(y, last);
 }
 
+/// A symmetric matrix of its lower triangle, each element times the scales of its row and its column.
+MatrixXd scaled(MatrixXd A, const VectorXd& scale) {
+  for (Eigen::Index i = 0; i < A.rows(); ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) A(i, j) = A(j, i) = A(i, j) * scale[i] * scale[j];
+  return A;
+}
+
 /// The filter by the book: dense F, one update with a 3 + n_w square inverse, and an opening that adds its variance before
 /// the interval and propagates again.
 struct DenseFilter {
@@ -162,7 +167,7 @@ struct DenseFilter {
     x = VectorXd::Zero(N);
     VectorXd diagonal(N);
     x.head<3>() = y.omega_BN_B;
-    x.segment(3, nw) = E() * VectorXd(y.h_w);
+    x.segment(3, nw) = applied(E(), y.h_w);
     x.segment(3 + nw, n).setOnes();
     diagonal << VectorXd::Constant(3, sq(p.rate_noise)), VectorXd::Constant(nw, sq(p.momentum_noise)),
         VectorXd::Constant(n, 0.09), VectorXd::Zero(nw), VectorXd::Constant(3, sq(0.05 * a));
@@ -186,12 +191,12 @@ struct DenseFilter {
   void step(const Measurement<double>& y, const VecN<double>& u) {
     us.push_back(u);
     const VectorXd uh = shown(0), duh = uh - VectorXd(shown(1));
-    const MatrixXd J_inv = setup.vehicle.J_B.inverse();
-    const VectorXd du = u - u1, e = x.segment(3 + nw, n), h = E() * VectorXd(y.h_w);
+    const MatrixXd J_inv = inverse(setup.vehicle.J_B), by = dt * times(J_inv, D()), E = this->E();
+    const VectorXd du = u - u1, e = x.segment(3 + nw, n), h = applied(E, y.h_w);
     if (past.size() > 1) {
       const Measurement<double>&y1 = past.back(), &y2 = past[past.size() - 2];
-      const VectorXd t = y.omega_BN_B - 2 * y1.omega_BN_B + y2.omega_BN_B - dt * J_inv * D() * e.cwiseProduct(du);
-      const VectorXd th = h - 2 * E() * VectorXd(y1.h_w) + E() * VectorXd(y2.h_w) + dt * E() * e.cwiseProduct(duh);
+      const VectorXd t = y.omega_BN_B - 2 * y1.omega_BN_B + y2.omega_BN_B - applied(by, e.cwiseProduct(du));
+      const VectorXd th = h + applied(E, y2.h_w - 2 * y1.h_w + dt * e.cwiseProduct(duh));
       ++seen;
       const auto mean = [&](double& s2, double s, double nominal) {
         s2 = seen <= 30 ? s2 + (s - s2) / seen : s2 + 0.01 * (std::min(s, 9 * s2) - s2);
@@ -201,22 +206,22 @@ struct DenseFilter {
       for (int k = 0; k < nw; ++k) mean(s2_h[k], sq(th[k]) / 6, p.momentum_noise);
     }
     MatrixXd F = MatrixXd::Identity(N, N);
-    F.block(0, 3 + nw, 3, n) = dt * J_inv * D() * VectorXd(u).asDiagonal();
-    F.block(0, 3 + nw + n, 3, nw) = dt * J_inv * D() * E().transpose();
+    F.block(0, 3 + nw, 3, n) = columns_times(by, u);
+    F.block(0, 3 + nw + n, 3, nw) = times(by, E.transpose());
     F.block(0, 3 + 2 * nw + n, 3, 3) = dt * J_inv;
-    F.block(3, 3 + nw, nw, n) = -dt * E() * uh.asDiagonal();
+    F.block(3, 3 + nw, nw, n) = -dt * columns_times(E, uh);
     F.block(3, 3 + nw + n, nw, nw) = -dt * MatrixXd::Identity(nw, nw);
     const auto gyro = [&](const Measurement<double>& m) -> Vec3<double> {
       return m.omega_BN_B.cross(setup.vehicle.J_B * m.omega_BN_B + setup.vehicle.D_B * m.h_w);
     };
-    x = F * x;
-    x.head<3>() -= dt * J_inv * (gyro(past.back()) + gyro(y)) / 2;
+    x = applied(F, x);
+    x.head<3>() -= applied(J_inv, dt / 2 * (gyro(past.back()) + gyro(y)));
     const MatrixXd before = P;
     MatrixXd Q = MatrixXd::Zero(N, N);
     unrest /= 1 + dt / 60;
-    const Vec3<double> jolt = D() * x.segment(3 + nw, n).cwiseProduct(du);
+    const Vec3<double> jolt = applied(D(), x.segment(3 + nw, n).cwiseProduct(du));
     for (int axis = 0; axis < 3; ++axis) {
-      for (int i = 0; i < n; ++i) Q(axis, axis) += sq(p.timing * dt * J_inv.row(axis).dot(D().col(i)) * du[i]);
+      for (int i = 0; i < n; ++i) Q(axis, axis) += sq(p.timing * by(axis, i) * du[i]);
       Q(N - 3 + axis, N - 3 + axis) = sq(p.q_d * a) * dt + sq(p.inertia_error * jolt[axis]);
     }
     for (int i = 0; i < n; ++i)
@@ -226,7 +231,7 @@ struct DenseFilter {
       Q(3 + k, 3 + k) = sq(p.momentum_timing * dt * duh[wheels[std::size_t(k)]]);
       Q(3 + nw + n + k, 3 + nw + n + k) = sq(p.q_b * u_max(wheels[std::size_t(k)])) * dt;
     }
-    P = F * before * F.transpose() + Q;
+    P = times(F, before, F.transpose()) + Q;
 
     const int m = 3 + nw;
     VectorXd measured(m), R(m);
@@ -234,7 +239,7 @@ struct DenseFilter {
     R << VectorXd::Constant(3, s2_w), s2_h;
     VectorXd z(m);
     const MatrixXd spread = P.topLeftCorner(3, 3) + s2_w * MatrixXd::Identity(3, 3);
-    z.head<3>() = spread.llt().matrixL().solve(measured.head<3>() - x.head<3>());
+    z.head<3>() = solved(cholesky(spread), measured.head<3>() - x.head<3>());
     for (int k = 0; k < nw; ++k) z[3 + k] = (h[k] - x[3 + k]) / std::sqrt(P(3 + k, 3 + k) + s2_h[k]);
     bool body = false;
     std::vector<bool> wheel(std::size_t(nw), false);
@@ -266,12 +271,15 @@ struct DenseFilter {
       for (auto& mean : means) mean[3 + k] = 0;
     }
     opened += extra.any() ? 1 : 0;
-    P = F * (before + MatrixXd(extra.asDiagonal())) * F.transpose() + Q;
+    MatrixXd opened_up = before;
+    opened_up.diagonal() += extra;
+    P = times(F, opened_up, F.transpose()) + Q;
 
-    const MatrixXd S = P.topLeftCorner(m, m) + MatrixXd(R.asDiagonal());
-    const MatrixXd K = P.leftCols(m) * S.inverse();
-    x += K * (measured - x.head(m));
-    P = P - K * P.topRows(m);
+    MatrixXd S = P.topLeftCorner(m, m);
+    S.diagonal() += R;
+    const MatrixXd K = times(P.leftCols(m), inverse(S));
+    x += applied(K, measured - x.head(m));
+    P -= times(K, P.topRows(m));
     P = (P + P.transpose()).eval() / 2;
     for (int i = 0; i < n; ++i) {
       const int j = 3 + nw + i;
@@ -313,10 +321,10 @@ void expect_the_dense_filter(int delay) {
     y.h_w = momenta[momenta.size() - 1 - std::size_t(delay)];
     (void)advance(observer, y, issued<double>(u));
     oracle.step(y, u);
-    const VectorXd scale = oracle.P.diagonal().cwiseSqrt();
-    const MatrixXd P = observer.covariance().lower().selfadjointView<Eigen::Lower>();
-    worst_x = std::max(worst_x, (VectorXd(observer.state() - oracle.x).cwiseQuotient(scale)).cwiseAbs().maxCoeff());
-    worst_P = std::max(worst_P, ((P - oracle.P).array() / (scale * scale.transpose()).array()).abs().maxCoeff());
+    const VectorXd scale = oracle.P.diagonal().cwiseSqrt().cwiseInverse();
+    const MatrixXd P = observer.covariance().lower();
+    worst_x = std::max(worst_x, VectorXd(observer.state() - oracle.x).cwiseProduct(scale).cwiseAbs().maxCoeff());
+    worst_P = std::max(worst_P, scaled(P - oracle.P, scale).cwiseAbs().maxCoeff());
   }
   EXPECT_GE(oracle.opened, 3) << "every fault of a wheel opens";
   EXPECT_GE(oracle.projected, 1);
@@ -335,10 +343,11 @@ using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(JointKalmanOf, Scalars);
 
 /// Flies `observer` open loop; `before(k, plant)` changes the plant, `look(k, estimate)` looks.
-template <class S, class Before, class Look>
+template <class S>
 void fly(Alone<JointKalmanObserver<S>>& observer, Plant& plant, int samples, double rate_noise, double momentum_noise,
-         const Setup<double>& setup, Before&& before, Look&& look, unsigned seed = 1) {
-  Random random(seed);
+         const Setup<double>& setup, const std::function<void(int, Plant&, VecN<double>&)>& before,
+         const std::type_identity_t<std::function<void(int, const Estimate<S>&, const VecN<double>&)>>& look) {
+  Random random(1);
   (void)observer.start(plant.measured<S>(0, random, rate_noise, momentum_noise));
   for (int k = 1; k <= samples; ++k) {
     VecN<double> u = exciting(setup, k);
@@ -520,11 +529,8 @@ TYPED_TEST(JointKalmanOf, TheScaleOfTheVehicleIsOfNoConsequence) {
 /// Smallest eigenvalue of the correlations: zero where they contradict each other.
 template <class S>
 double smallest_correlation(const JointKalmanObserver<S>& observer) {
-  MatrixXd P = observer.covariance().lower().template cast<double>();
-  P = MatrixXd(P.selfadjointView<Eigen::Lower>());
-  const VectorXd scale = P.diagonal().cwiseSqrt().cwiseInverse();
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(scale.asDiagonal() * P * scale.asDiagonal(), Eigen::EigenvaluesOnly)
-      .eigenvalues()[0];
+  const MatrixXd P = observer.covariance().lower().template cast<double>();
+  return symmetric_eigenvalues(scaled(P, P.diagonal().cwiseSqrt().cwiseInverse()))[0];
 }
 
 /// Noise, commands, faults, gaps and jumps at random: P stays a covariance.

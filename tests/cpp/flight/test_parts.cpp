@@ -2,6 +2,7 @@
 // What many laws are made of: the healthy estimate, a moving reference, torque at hand, commands without torque, roots.
 #include <gtest/gtest.h>
 
+#include "../algebra.hpp"
 #include "../random.hpp"
 #include "alone.hpp"
 #include "gyrostat/flight/allocators/parts/ldl.hpp"
@@ -170,8 +171,8 @@ TEST(Regression, IsTheRegularisedLeastNormOfTheInformativeColumns) {
     informative.set(trial % 4, false);
     Eigen::MatrixXd Phi = D * u.asDiagonal();
     Phi.col(trial % 4).setZero();
-    const Eigen::MatrixXd normal = Phi * Phi.transpose() + 0.3 * 0.3 * Eigen::Matrix3d::Identity();
-    const Eigen::VectorXd expected = Phi.transpose() * normal.ldlt().solve(tau);
+    const MatrixXd normal = times(Phi, Phi.transpose()) + 0.3 * 0.3 * MatrixXd::Identity(3, 3);
+    const VectorXd expected = transpose_applied(Phi, solved(normal, tau));
     EXPECT_LT((explaining_change<double>(D, u, informative, 0.3, tau) - expected).norm(), 1e-12) << trial;
   }
 }
