@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "closed_loop.hpp"
+#include "contract/stacks.hpp"
 #include "gyrostat/flight/allocators/pseudo_inverse.hpp"
 #include "gyrostat/flight/controllers/fast_terminal_sliding_mode.hpp"
 #include "gyrostat/flight/controllers/finite_time.hpp"
@@ -112,10 +113,11 @@ gyrostat::Setup<double> setup_of(const Craft& c) {
 }
 
 template <class O, class C>
-auto stack_of_defaults(const gyrostat::Setup<double>& s) {
-  Checked<FlightStack<O, NoDetector<double>, C, PseudoInverse<double>>> stack(s);
-  EXPECT_TRUE(stack) << stack.status().quantity;
-  return *stack;
+AnyStack<double> stack_of_defaults(const gyrostat::Setup<double>& s) {
+  using Stack = FlightStack<O, NoDetector<double>, C, PseudoInverse<double>>;
+  const Status<double> status = Stack::check(s, typename Stack::Params(s));
+  EXPECT_TRUE(status.ok()) << status.quantity;
+  return stack_of<O, NoDetector<double>, C, PseudoInverse<double>>(s);
 }
 
 /// Pointing error, deg, at the end of the library's reference scenario: tumbling slowly from (.1, .2, -.3), one wheel at 40 %
@@ -124,7 +126,7 @@ template <class O, class C>
 double final_error_deg(const Craft& c) {
   const auto setup = setup_of(c);
   const double slow = default_stiffness(ftc_4rw<double>()).frequency / default_stiffness(setup).frequency;
-  auto stack = stack_of_defaults<O, C>(setup);
+  AnyStack<double> stack = stack_of_defaults<O, C>(setup);
   Body body(setup.vehicle);
   body.q_NB = quat_from_mrp<double>({0.1, 0.2, -0.3});
   body.omega_BN_B = Vec3<double>(0.01, -0.02, 0.03) / slow;
@@ -143,7 +145,7 @@ double final_error_deg(const Craft& c) {
 TEST(Defaults, TurnHalfAroundFromRest) {
   using O = FiniteTimeDisturbanceObserver<double>;
   const auto setup = ftc_4rw<double>();
-  const auto error_deg = [&](auto stack) {
+  const auto error_deg = [&](AnyStack<double> stack) {
     Body body(setup.vehicle);
     body.q_NB = quat_exp<double>(3.0 * Vec3<double>(2, -1, 2) / 3);
     fly(stack, body, setup.dt, 20000, nullptr, nullptr);

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gyrostat/flight/allocators/weighted_least_squares.hpp"
+#include "gyrostat/flight/allocators/pseudo_inverse.hpp"
 #include "gyrostat/flight/controllers/mrp_feedback.hpp"
 #include "gyrostat/flight/detectors/none.hpp"
 #include "gyrostat/flight/observers/passthrough.hpp"
@@ -68,7 +68,7 @@ TYPED_TEST(Pulses, AVehicleWithoutOnOffActuatorsHasNone) {
 
 TYPED_TEST(Pulses, OfTheStackAreWhatItSaysItAchieved) {
   using S = TypeParam;
-  using Stack = FlightStack<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, WeightedLeastSquares<S>>;
+  using Stack = FlightStack<PassthroughObserver<S>, NoDetector<S>, MrpFeedback<S>, PseudoInverse<S>>;
   const Setup<S> setup = six_and_a_wheel<S>(32, 2, 2);
   const typename Stack::Params params(setup);
   Checked<Stack> checked(setup, params);

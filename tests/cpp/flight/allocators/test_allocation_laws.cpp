@@ -2,8 +2,9 @@
 /// What must hold between allocations: optimality against sampled rivals, limits between modes, symmetries, continuity.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "algebra.hpp"
 #include "flight/allocators/any_solver.hpp"
 
 namespace gyrostat::test {
@@ -11,18 +12,18 @@ namespace {
 
 using certificate::Real;
 
-Eigen::MatrixXd geometry(const Posed& p) {
-  Eigen::MatrixXd A(p.rows(), p.actuators());
+MatrixXd geometry(const Posed& p) {
+  MatrixXd A(p.rows(), p.actuators());
   for (std::size_t r = 0; r < p.rows(); ++r)
     for (std::size_t i = 0; i < p.actuators(); ++i)
       A(Eigen::Index(r), Eigen::Index(i)) = p.D[r][i] * p.effectiveness[i];
   return A;
 }
-Eigen::VectorXd eigen(const Numbers& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); }
-Eigen::VectorXd eigen(const certificate::Vector& v) { return eigen(Numbers(v.begin(), v.end())); }
-Numbers numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
+VectorXd eigen(const Numbers& v) { return Eigen::Map<const VectorXd>(v.data(), Eigen::Index(v.size())); }
+VectorXd eigen(const certificate::Vector& v) { return eigen(Numbers(v.begin(), v.end())); }
+Numbers numbers(const VectorXd& v) { return {v.data(), v.data() + v.size()}; }
 
-double effort(const Posed& p, const Eigen::VectorXd& t) {
+double effort(const Posed& p, const VectorXd& t) {
   return (eigen(p.effort_weight).array() * (t - eigen(p.preferred)).array().square()).sum() / 2;
 }
 
@@ -41,7 +42,7 @@ class AllocationLaws : public testing::TestWithParam<Kind> {
     solver->reset();
     return solver->solve(p);
   }
-  Eigen::VectorXd command(const Posed& p) { return eigen(cold(p).command); }
+  VectorXd command(const Posed& p) { return eigen(cold(p).command); }
 
   std::unique_ptr<AnySolver> solver;
   Random random{5};
@@ -53,20 +54,21 @@ TEST_P(AllocationLaws, NoOtherExactAllocationSpendsLess) {
   int compared = 0;
   for (int k = 0; k < 60; ++k) {
     Posed p = random_problem(random, rows(), 9);
-    const Eigen::MatrixXd A = geometry(p);
-    Eigen::VectorXd inside(9);
+    const MatrixXd A = geometry(p);
+    VectorXd inside(9);
     for (int i = 0; i < 9; ++i) inside[i] = random.uniform(p.lo[std::size_t(i)], p.up[std::size_t(i)]) * 0.95;
-    p.demand = numbers(A * inside);
+    p.demand = numbers(applied(A, inside));
     const Outcome s = cold(p);
     EXPECT_EQ(s.status, AllocationStatus::optimal);
-    const Eigen::VectorXd t = eigen(s.command);
-    EXPECT_LE((A * t - eigen(p.demand)).norm(), single() ? 2e-6 : 1e-14);  // a few roundings of torques of order one
-    const Eigen::MatrixXd kernel = A.fullPivLu().kernel();
+    const VectorXd t = eigen(s.command);
+    EXPECT_LE((applied(A, t) - eigen(p.demand)).norm(),
+              single() ? 2e-6 : 1e-14);  // a few roundings of torques of order one
+    const MatrixXd free = kernel(A);
     for (int walk = 0; walk < 50; ++walk) {
-      Eigen::VectorXd step =
-          kernel * Eigen::VectorXd::NullaryExpr(kernel.cols(), [&] { return random.uniform(-0.05, 0.05); });
-      const Eigen::VectorXd other = t + step;
-      if ((other.array() < eigen(p.lo).array()).any() || (other.array() > eigen(p.up).array()).any()) continue;
+      VectorXd along(free.cols());
+      for (double& c : along) c = random.uniform(-0.05, 0.05);
+      const VectorXd other = t + applied(free, along);
+      if ((other - eigen(p.lo)).minCoeff() < 0 || (eigen(p.up) - other).minCoeff() < 0) continue;
       ++compared;
       EXPECT_GE(effort(p, other), effort(p, t) - (single() ? 1e-6 : 1e-13));
     }
@@ -80,12 +82,12 @@ TEST_P(AllocationLaws, InsideTheLimitsItIsTheWeightedPseudoInverse) {
     for (double& e : p.effectiveness) e = std::max(e, 0.3);
     p.lo.assign(8, -100);
     p.up.assign(8, 100);
-    const Eigen::MatrixXd A = geometry(p);
-    const Eigen::MatrixXd inverse = eigen(p.effort_weight).cwiseInverse().asDiagonal();
-    const Eigen::MatrixXd AAt = A * inverse * A.transpose();
-    const Eigen::VectorXd expected =
-        eigen(p.preferred) + inverse * A.transpose() * AAt.ldlt().solve(eigen(p.demand) - A * eigen(p.preferred));
-    const double condition = AAt.norm() * AAt.inverse().norm();
+    const MatrixXd A = geometry(p);
+    const VectorXd price = eigen(p.effort_weight);
+    const MatrixXd AAt = times(columns_times(A, price.cwiseInverse()), A.transpose());
+    const VectorXd owed = eigen(p.demand) - applied(A, eigen(p.preferred));
+    const VectorXd expected = eigen(p.preferred) + transpose_applied(A, solved(AAt, owed)).cwiseQuotient(price);
+    const double condition = AAt.norm() * inverse(AAt).norm();
     EXPECT_LE((command(p) - expected).norm(), 100 * GetParam().epsilon() * condition * (1 + expected.norm()));
   }
 }
@@ -110,7 +112,7 @@ TEST_P(AllocationLaws, TheShortWayInsideTheLimitsEndsWhereTheLongOneDoes) {
       other->reset();
       for (int step = 0; step < 4; ++step) {
         const Outcome a = solver->solve(p), b = other->solve(longer);
-        const Eigen::VectorXd u = eigen(a.command), v = eigen(b.command);
+        const VectorXd u = eigen(a.command), v = eigen(b.command);
         ASSERT_LE((u - v).cwiseAbs().maxCoeff(), rounding) << k;
         EXPECT_LE(std::abs(double(a.residual_norm - b.residual_norm)), rounding) << k;
         EXPECT_EQ(a.status, b.status) << k;
@@ -136,7 +138,7 @@ TEST_P(AllocationLaws, WithoutLimitsItIsTheWeightedPseudoInverseToo) {
   wide.up.assign(8, 100);
   p.lo.assign(8, -std::numeric_limits<double>::infinity());
   p.up.assign(8, std::numeric_limits<double>::infinity());
-  const Eigen::VectorXd expected = command(wide);
+  const VectorXd expected = command(wide);
   EXPECT_LE((command(p) - expected).norm(), (single() ? 1e-3 : 1e-11) * expected.norm());
 }
 
@@ -168,7 +170,7 @@ TEST_P(AllocationLaws, RobustWithoutUncertaintyIsLeastSquares) {
     p.bound.assign(8, 0);
     p.residual_weight = random.log_uniform(10, 1e4);
     p.mode = AllocationMode::weighted_least_squares;
-    const Eigen::VectorXd weighted = command(p);
+    const VectorXd weighted = command(p);
     p.mode = AllocationMode::robust_socp;
     EXPECT_LE((command(p) - weighted).norm(), single() ? 1e-3 : 1e-9);  // condition: residual weight times rounding
   }
@@ -181,7 +183,7 @@ TEST_P(AllocationLaws, UnitsDoNotMatter) {
       Posed p = random_problem(random, rows(), 8);
       p.mode = mode;
       p.residual_weight = 1e3;
-      const Eigen::VectorXd t = command(p);
+      const VectorXd t = command(p);
       for (const double factor : {1e-8, 3e-3, 1e6}) {
         Posed torque = p, price = p;
         for (Numbers* v : {&torque.demand, &torque.lo, &torque.up, &torque.preferred})
@@ -213,7 +215,7 @@ TEST_P(AllocationLaws, OrderAndSignOfActuatorsDoNotMatter) {
         flipped.preferred[i] = -p.preferred[i];
       }
       for (double& u : flipped.demand) u = -u;
-      const Eigen::VectorXd t = command(p);
+      const VectorXd t = command(p);
       const double tolerance = single() ? 2e-3 : 1e-8;
       EXPECT_LE((command(reversed).reverse() - t).norm(), tolerance) << int(mode);
       EXPECT_LE((command(flipped) + t).norm(), tolerance) << int(mode);
@@ -249,12 +251,12 @@ TEST_P(AllocationLaws, TheCommandIsContinuousThroughTheEdgeAndWarmEqualsCold) {
     p.mode = mode;
     p.residual_weight = 1e3;
     const std::unique_ptr<AnySolver> warm = GetParam().solver();
-    const Eigen::VectorXd direction = eigen(p.demand).normalized();
-    Eigen::VectorXd last;
+    const VectorXd direction = eigen(p.demand).normalized();
+    VectorXd last;
     const double step = 0.002;
     for (double size = 0; size < 1.5; size += step) {
       p.demand = numbers(size * direction);
-      const Eigen::VectorXd hot = eigen(warm->solve(p).command), t = command(p);
+      const VectorXd hot = eigen(warm->solve(p).command), t = command(p);
       EXPECT_LE((hot - t).norm(), single() ? 2e-3 : 1e-7) << int(mode) << " at " << size;
       // The pseudo-inverse's gain bounds the slope; an actuator subset of it may be ten times as steep.
       const double change = last.size() == 0 ? 0 : (t - last).norm();
@@ -373,7 +375,7 @@ TEST_P(ThreeRows, ScaledShareEqualsTheExactRadiusOfTheAttainableSet) {
     p.mode = AllocationMode::lexicographic_scaled;
     const Outcome s = cold(p);
     // The attainable set's faces are normal to cross products of two axes: its radius is the least ratio over them.
-    const Eigen::MatrixXd A = geometry(p);
+    const MatrixXd A = geometry(p);
     const Eigen::Vector3d u = eigen(p.demand);
     double radius = 1;
     for (int i = 0; i < 7; ++i)
@@ -418,10 +420,10 @@ TEST_P(ThreeRows, NothingIsCommandedExactlyWhereUncertaintyOutweighsTheDemand) {
     p.residual_weight = 1e3;
     p.effectiveness.assign(4, 0.9);
     for (double& b : p.bound) b = random.uniform(0.5, 3);
-    const Eigen::MatrixXd D = geometry(p) / 0.9;
-    const Eigen::VectorXd u = eigen(p.demand);
-    const double left = eigen(p.bound).cwiseInverse().cwiseProduct(D.transpose() * u).norm();
-    const double right = D.bdcSvd().singularValues()[0] * u.norm();
+    const MatrixXd D = geometry(p) / 0.9;
+    const VectorXd u = eigen(p.demand);
+    const double left = transpose_applied(D, u).cwiseQuotient(eigen(p.bound)).norm();
+    const double right = singular_values(D)[0] * u.norm();
     if (std::abs(left / right - 1) < 0.01) continue;
     const double size = command(p).norm();
     if (left < right) {
