@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "gyrostat/truth/effectors/flexible_mode.hpp"
-
+// What of the equations of motion is linear: modes of the free body, and bearings. Eigen's solvers are compiled here alone.
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <string>
+
+#include "gyrostat/truth/rigid_plant_definitions.hpp"
 
 namespace gyrostat::truth {
 
@@ -35,6 +38,20 @@ std::vector<double> free_frequencies(const Mat3<double>& J_B, const std::vector<
   std::vector<double> out;
   for (const double square : modal.eigenvalues()) out.push_back(std::sqrt(square));
   return out;
+}
+
+double detail::relaxation(const std::vector<FrictionWheel>& wheels, const Mat3<double>& J_B_inverse) {
+  const auto n = static_cast<Eigen::Index>(wheels.size());
+  if (n == 0) return 0;
+  Eigen::MatrixXd symmetric(n, n);  // similar to it
+  for (Eigen::Index r = 0; r < n; ++r) {
+    for (Eigen::Index c = 0; c < n; ++c) {
+      const FrictionWheel &a = wheels[static_cast<std::size_t>(r)], &b = wheels[static_cast<std::size_t>(c)];
+      const double coupling = a.axis_B.dot(J_B_inverse * b.axis_B) + (r == c ? 1 / a.inertia : 0.0);
+      symmetric(r, c) = std::sqrt(a.viscous * b.viscous) * coupling;
+    }
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[n - 1];
 }
 
 }  // namespace gyrostat::truth

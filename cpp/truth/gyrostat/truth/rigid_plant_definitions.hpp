@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file  Definitions of RigidPlantOf, for those who fly another list of effectors than the shipped one.
 #pragma once
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "gyrostat/core/attitude.hpp"
@@ -19,62 +18,10 @@ struct RhsCall {
 };
 
 /// Largest eigenvalue of the speeds' own dynamics, s' = -(1/Js + G' J^-1 G) C s.
-inline double relaxation(const std::vector<FrictionWheel>& wheels, const Mat3<double>& J_B_inverse) {
-  const auto n = static_cast<Eigen::Index>(wheels.size());
-  if (n == 0) return 0;
-  Eigen::MatrixXd symmetric(n, n);  // similar to it
-  for (Eigen::Index r = 0; r < n; ++r) {
-    for (Eigen::Index c = 0; c < n; ++c) {
-      const FrictionWheel &a = wheels[static_cast<std::size_t>(r)], &b = wheels[static_cast<std::size_t>(c)];
-      const double coupling = a.axis_B.dot(J_B_inverse * b.axis_B) + (r == c ? 1 / a.inertia : 0.0);
-      symmetric(r, c) = std::sqrt(a.viscous * b.viscous) * coupling;
-    }
-  }
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[n - 1];
-}
-
-inline void refuse_quick_bearings(const std::vector<FrictionWheel>& wheels, double rate, double dt) {
-  if (rate * dt <= InnerRates::most_in_a_sample) return;
-  const auto quicker = [](const FrictionWheel& a, const FrictionWheel& b) {
-    return a.viscous / a.inertia < b.viscous / b.inertia;
-  };
-  const FrictionWheel& quickest = *std::max_element(wheels.begin(), wheels.end(), quicker);
-  throw std::invalid_argument("plant: viscous_friction = " + text(quickest.viscous) +
-                              " N m s stops the wheel of actuator " + std::to_string(quickest.channel) + " (" +
-                              text(quickest.inertia) + " kg m^2) in " + text(1 / rate) +
-                              " s; nothing quicker than a thousandth of the period, " +
-                              text(dt / InnerRates::most_in_a_sample) + " s, can be integrated");
-}
-
+double relaxation(const std::vector<FrictionWheel>& wheels, const Mat3<double>& J_B_inverse);
+void refuse_quick_bearings(const std::vector<FrictionWheel>& wheels, double rate, double dt);
 /// Each with those of the faults that slow its rotor down. A fault of which nothing is left ends when the rotor is at rest.
-inline std::vector<ControlMomentGyro> with_slow_downs(std::vector<ControlMomentGyro> gyros,
-                                                      std::vector<Fault>& faults) {
-  std::vector<bool> taken(faults.size(), false);
-  for (ControlMomentGyro& gyro : gyros) {
-    std::vector<RotorSlowDown*> own;
-    for (std::size_t k = 0; k < faults.size(); ++k) {
-      auto* fault = std::get_if<RotorSlowDown>(&faults[k]);
-      if (fault == nullptr || fault->window.actuator != gyro.channel) continue;
-      own.push_back(fault);
-      gyro.slow_downs.push_back(*fault);
-      taken[k] = true;
-    }
-    const double rest = gyro.rest_time(gyro.slow_downs);
-    gyro.slow_downs.clear();
-    for (RotorSlowDown* fault : own) {
-      if (!(fault->window.t_on < rest)) continue;
-      fault->window.t_off = std::min(fault->window.t_off, rest);
-      gyro.slow_downs.push_back(*fault);
-    }
-  }
-  for (std::size_t k = 0; k < faults.size(); ++k) {
-    const auto* fault = std::get_if<RotorSlowDown>(&faults[k]);
-    if (fault == nullptr || taken[k]) continue;
-    throw std::invalid_argument("fault rotor_slow_down: actuator " + std::to_string(fault->window.actuator) +
-                                " is no control moment gyro");
-  }
-  return gyros;
-}
+std::vector<ControlMomentGyro> with_slow_downs(std::vector<ControlMomentGyro> gyros, std::vector<Fault>& faults);
 
 }  // namespace detail
 
