@@ -16,8 +16,10 @@ if(PROJECT_IS_TOP_LEVEL)
 endif()
 
 if(GYROSTAT_SANITIZE)
-  # Left out: what the address sanitizer reports anyway. Those checks stand at every access and cost compile time.
-  add_compile_options(-fsanitize=${GYROSTAT_SANITIZE} -fno-sanitize=null,object-size -fno-sanitize-recover=all
+  # Left out: what the address sanitizer reports anyway. Those checks stand at every access and cost compile time. Preset asan
+  # leaves out two more, a third of it: alignment, and pointers that wrap, whose access the address sanitizer reports. The module
+  # (asan-python) and the fuzz target have both.
+  add_compile_options(-fsanitize=${GYROSTAT_SANITIZE} -fno-sanitize=${GYROSTAT_SANITIZE_NOT} -fno-sanitize-recover=all
                       -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${GYROSTAT_SANITIZE})
 endif()
