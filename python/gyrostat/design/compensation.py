@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrostat import _core
 from gyrostat.components import Matrix
@@ -93,13 +94,16 @@ def effectiveness_range(D_B: Matrix, effectiveness: Matrix) -> tuple[float, floa
     effectiveness
         One row a sample, one column an actuator, shape (k, n).
     """
+    found = effectiveness_eigenvalues(D_B, np.unique(np.asarray(effectiveness, dtype=float), axis=0))
+    return float(found.min()), float(found.max())
+
+
+def effectiveness_eigenvalues(D_B: Matrix, effectiveness: Matrix) -> NDArray[np.float64]:
+    """Eigenvalues of ``D E D+`` for each row of effectiveness, ascending, shape (k, 3); arguments as above."""
     D = np.asarray(D_B, dtype=float)
     values, vectors = np.linalg.eigh(D @ D.T)
-    root = vectors / np.sqrt(values) @ vectors.T  # (D D')^(-1/2): makes M symmetric without moving its eigenvalues
-    rows = np.unique(np.asarray(effectiveness, dtype=float), axis=0)
-    weighted = root @ D
-    eigenvalues = np.linalg.eigvalsh(np.einsum("in,kn,jn->kij", weighted, rows, weighted))
-    return float(eigenvalues.min()), float(eigenvalues.max())
+    weighted = vectors / np.sqrt(values) @ vectors.T @ D  # (D D')^(-1/2) D: makes M symmetric, same eigenvalues
+    return np.linalg.eigvalsh(np.einsum("in,kn,jn->kij", weighted, np.asarray(effectiveness, dtype=float), weighted))
 
 
 def scenario_margin(scenario: Scenario, effectiveness: tuple[float, float] | None = None) -> CompensationMargin | None:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from gyrostat import _core
 from gyrostat.components import Component
-from gyrostat.design.compensation import effectiveness_range
+from gyrostat.design.compensation import effectiveness_eigenvalues, effectiveness_range
 from gyrostat.design.finding import Finding
 from gyrostat.design.idle import faults_alone
 from gyrostat.scenario import Scenario
@@ -183,12 +183,13 @@ def left_by_faults(scenario: Scenario, most: int = 3) -> Array:
         return np.empty((0, D.shape[1]))
     rows = np.unique(faults_alone(scenario, ["truth.effectiveness"])["truth.effectiveness"], axis=0)
     rows = rows[(rows != 1.0).any(axis=1)]
-    least = np.array([effectiveness_range(D, row[None])[0] for row in rows])
+    least = effectiveness_eigenvalues(D, rows)[:, 0]
+    weakest_first = np.argsort(least, kind="stable")
+    rows = rows[weakest_first[least[weakest_first] > 1e-2]]
     chosen: list[Array] = []
-    for i in np.argsort(least, kind="stable"):
-        alike = any(np.abs(rows[i] - row).max() < 0.01 for row in chosen)  # a fault that varies leaves many states
-        if least[i] > 1e-2 and not alike and len(chosen) < most:
-            chosen.append(rows[i])
+    while len(rows) and len(chosen) < most:
+        chosen.append(rows[0])
+        rows = rows[np.abs(rows - rows[0]).max(axis=1) >= 0.01]  # a fault that varies leaves many states that are alike
     return np.array(chosen).reshape(-1, D.shape[1])
 
 
