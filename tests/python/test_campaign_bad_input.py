@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
 import pytest
+from commands import gyrostat
 
 import gyrostat as gs
 
@@ -230,12 +229,6 @@ def test_what_is_no_table_is_refused(key: str) -> None:
         gs.Campaign("wheel2_degraded", **{key: 3})
 
 
-def gyrostat(*arguments: Any) -> subprocess.CompletedProcess[str]:
-    start = "from gyrostat.cli import main; main()"
-    command = [sys.executable, "-c", start, "campaign", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-
-
 def test_the_command_says_it_in_one_line_with_the_file(tmp_path: Path) -> None:
     file = tmp_path / "bad.toml"
     file.write_text('base = "wheel2_degraded"\n[vary]\n"seed" = { dist = "normal", mean = 0.0, std = -1.0 }\n')
@@ -248,7 +241,7 @@ def test_the_command_says_it_in_one_line_with_the_file(tmp_path: Path) -> None:
         (("rerun", tmp_path, 3), f"error: {tmp_path}: holds no campaign"),
         (("join", tmp_path), f"error: {tmp_path}: holds no campaign"),
     ]:
-        done = gyrostat(*arguments)
+        done = gyrostat("campaign", *arguments)
         assert done.returncode == 2, done.stderr
         assert done.stderr.startswith(expected), done.stderr
         assert done.stderr.count("\n") == 1
@@ -280,7 +273,7 @@ def test_what_is_not_there_is_said(tmp_path: Path) -> None:
     single.run(10, out=tmp_path)
     with pytest.raises(gs.InputError, match="no cell 'x'; there is no grid"):
         single.scenario(0, "x")
-    done = gyrostat("rerun", tmp_path, 10)
+    done = gyrostat("campaign", "rerun", tmp_path, 10)
     assert (done.returncode, done.stderr) == (2, f"error: {tmp_path}: run 10 was not flown here; 10 were\n")
     with pytest.raises(gs.InputError) as refusal:
         gs.Campaign.from_dict(GOOD).run(10, out=tmp_path)

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from commands import gyrostat
 
 import gyrostat as gs
 from gyrostat import design, papers
@@ -23,11 +23,6 @@ GAINS = LearningGains(M=18.0, k1=0.98, k2=15.0, k3=5.0, Tc=0.01)
 
 def case(name: str) -> gs.Scenario:
     return papers.load("cao2023").cases[name].scenario
-
-
-def gyrostat(*arguments: str) -> subprocess.CompletedProcess[str]:
-    start = "from gyrostat.cli import main; main()"
-    return subprocess.run([sys.executable, "-c", start, *arguments], capture_output=True, text=True, check=False)
 
 
 def companion_radius(g: LearningGains, h: float, N: int) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line, through processes as a user starts it."""
+"""The command line, in processes of its own."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
+from commands import gyrostat
 
 import gyrostat as gs
 from gyrostat import _core
@@ -24,11 +25,6 @@ from gyrostat.scenario import shipped
 from gyrostat.schema import scenario_schema
 
 SHORT = ["--set", "duration=3"]
-
-
-def gyrostat(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from gyrostat.cli import main; main()", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120, check=False)
 
 
 def printed(*arguments: str) -> Any:

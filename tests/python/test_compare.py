@@ -4,22 +4,16 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from commands import gyrostat
 
 import gyrostat as gs
 from gyrostat import comparison
 
 SHORT = ["--set", "duration=3"]
-
-
-def gyrostat(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "gyrostat", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,13 @@ from __future__ import annotations
 
 import itertools
 import json
-import subprocess
-import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 import pytest
+from commands import gyrostat
 from numpy.typing import NDArray
 
 import gyrostat as gs
@@ -262,9 +261,7 @@ def test_only_loops_with_an_estimate_are_looked_at(scenario: gs.Scenario) -> Non
 
 
 def test_check_prints_the_limits() -> None:
-    start = "from gyrostat.cli import main; main()"
-    command = [sys.executable, "-c", start, "check", "wheel2_degraded", "--set", "dt=0.1", "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = gyrostat("check", "wheel2_degraded", "--set", "dt=0.1", "--json")
     (row,) = [
         f for f in json.loads(done.stdout)["design"] if (f["where"], f["name"]) == ("sampled loop", "effectiveness")
     ]

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import itertools
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from commands import gyrostat
 
 import gyrostat as gs
 from gyrostat import _core, design
@@ -211,11 +210,8 @@ def test_an_observer_whose_floor_is_below_the_allocators_is_refused_at_every_doo
         export(scenario, "cpp", tmp_path / "code", samples=1)
     path = tmp_path / "locked.toml"
     scenario.to_toml(path)
-    start = "from gyrostat.cli import main; main()"
     for verb in ("run", "check"):
-        done = subprocess.run(
-            [sys.executable, "-c", start, verb, str(path)], capture_output=True, text=True, check=False
-        )
+        done = gyrostat(verb, path)
         assert done.returncode != 0
         assert "e_min of the observer" in done.stdout + done.stderr
 

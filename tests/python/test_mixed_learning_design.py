@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 import tomllib
 from typing import Any
 
 import numpy as np
 import pytest
+from commands import gyrostat
 from numpy.typing import NDArray
 
 import gyrostat as gs
@@ -40,8 +39,7 @@ def table(K1: Array = K1, K2: Array = K2, **changes: float) -> LearningLoop:
 
 
 def command(*arguments: str) -> tuple[int, str, str]:
-    start = "from gyrostat.cli import main; main()"
-    done = subprocess.run([sys.executable, "-c", start, *arguments], capture_output=True, text=True, check=False)
+    done = gyrostat(*arguments)
     return done.returncode, done.stdout, done.stderr
 
 

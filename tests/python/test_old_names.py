@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import gyrostat
 
 import gyrostat as gs
 from gyrostat import _core
@@ -87,11 +86,6 @@ def test_the_command_line_takes_an_old_name_and_says_so_in_one_line(old: str) ->
     done = gyrostat("check", "ftc_4rw", "--set", f"observer={old}")
     assert done.stderr.count(f"'{old}' is called") == 1
     assert done.stdout == gyrostat("check", "ftc_4rw", "--set", f"observer={RENAMED[old]}").stdout
-
-
-def gyrostat(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "gyrostat", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
 
 
 @pytest.mark.parametrize("old", RENAMED)
