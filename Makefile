@@ -3,6 +3,8 @@
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
 MAKEFLAGS += --no-print-directory
+# Requirements are installed without byte code: what is imported is compiled once, then.
+unexport PYTHONDONTWRITEBYTECODE
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -27,11 +29,12 @@ help:  ## this list
 run: debian-run $(VENV)/package.stamp  ## install what is missing, reproduce every paper, leave a report in out/report
 	@$(BIN)/gyrostat reproduce all --out $(OUT)
 
-# Compilers and pytest use every core themselves; what uses one runs beside them, and yields to them.
+# Compilers and pytest use every core themselves; what uses one runs beside them, and yields to them: first the network and
+# what needs no compiled module, then what does.
 test: debian-make-test  ## the same set-up, then all tests, types, stubs and format
-	@$(MAKE) -j2 cpp lint
+	@$(MAKE) -j2 cpp lint types
 	@$(MAKE) asan $(VENV)/package.stamp
-	@$(MAKE) -j2 pytest types stubs-check embedded-short
+	@$(MAKE) -j2 pytest stubs-check embedded-short
 	@echo "all tests passed"
 
 cpp: debian-test  ## C++ libraries, optimised: the embedded contract, layers, an outside project
@@ -163,5 +166,5 @@ $(VENV)/wheel.stamp: $(VENV)/venv.stamp
 	@touch $@
 
 $(VENV)/test.stamp: $(VENV)/venv.stamp
-	@$(STEP) install-test-tools scripts/install_requirements $(BIN) project.optional-dependencies.test
+	@$(STEP) install-test-tools scripts/install_requirements $(BIN) project.dependencies project.optional-dependencies.test
 	@touch $@
