@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from commands import gyrostat
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
@@ -295,10 +294,10 @@ def test_a_body_with_gravity_gradient_on_a_circular_orbit_is_model_b(integrator:
 # ---- the controller -------------------------------------------------------------------------------------------------
 
 
-def test_the_error_is_gone_at_t_from_a_hundred_starts() -> None:
+def test_the_error_is_gone_at_t_from_thirty_starts() -> None:
     rng = np.random.default_rng(7)
     at_T = []
-    for _ in range(100):
+    for _ in range(30):
         initial = {"euler": rng.uniform(-1.5, 1.5, 3).tolist(), "omega_BN_B": rng.uniform(-1.0, 1.0, 3).tolist()}
         result = case("T2").replace(initial=initial, duration=2.6).run(channels=["error.euler"])
         error = np.abs(result["error.euler"]).max(axis=1)
@@ -319,9 +318,7 @@ def test_gimbal_lock_ends_the_run_of_a_body_and_keeps_what_was_flown() -> None:
     assert len(result.t) == round(result.end_time / 0.001) + 1
     assert np.isfinite(result["error.euler"]).all()
     assert result["truth.euler"][-1, 1] == pytest.approx(np.pi / 2, abs=2e-3)
-    start = "from gyrostat.cli import main; main()"
-    command = [sys.executable, "-c", start, "run", "cao2023/rigid", "--set", "controller.T=10"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = gyrostat("run", "cao2023/rigid", "--set", "controller.T=10")
     assert done.returncode == 3
     assert "singular" in done.stdout + done.stderr
 

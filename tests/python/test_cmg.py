@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -404,38 +403,6 @@ def test_what_asks_for_axes_once_sees_those_of_the_start() -> None:
     np.testing.assert_allclose(scenario.compiled.flight_model()["vehicle"]["D_B"], still.vehicle.D_B, atol=1e-15)
     tables = gs.Scenario.load("ftc_4rw").to_dict()
     assert standing(tables) == tables
-
-
-def test_exported_to_c_the_stack_repeats_its_loop(tmp_path: Path) -> None:
-    from gyrostat.export import export
-    from gyrostat.export.compiler import find_compiler, find_eigen
-
-    folder = tmp_path / "code"
-    code = export(gs.Scenario.load("agile_cmg"), "c", folder, samples=1201, name="agile")
-    assert code.columns["measurement.gimbal"] == 4
-    compiler = find_compiler()
-    include = [f"-I{folder}", f"-I{folder / 'include'}", f"-I{find_eigen()}"]
-    flags = ["-O0", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", *include]
-    library = [*compiler, "-std=c++20", "-fno-exceptions", "-fno-rtti", *flags, "-c", "agile.cpp", "-o", "agile.o"]
-    test = [
-        *compiler,
-        "-x",
-        "c",
-        "-std=c99",
-        *flags,
-        "self_test.c",
-        "-x",
-        "none",
-        "agile.o",
-        "-lm",
-        "-lstdc++",
-        "-o",
-        "t",
-    ]
-    for command in (library, test):
-        subprocess.run(command, cwd=folder, check=True, timeout=300)
-    said = subprocess.run([folder / "t"], cwd=folder, check=True, capture_output=True, text=True, timeout=60).stdout
-    assert "1201 samples, largest deviation 0.00e+00" in said, said
 
 
 def test_a_page_turns_with_the_gimbals(tmp_path: Path) -> None:

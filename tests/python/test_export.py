@@ -128,8 +128,10 @@ def test_exports_for_vehicles_of_four_and_six_actuators_fly_in_one_program(tmp_p
 
 
 def test_in_float_it_is_the_same_law(tmp_path: Path) -> None:
-    export(load("wheel2_degraded"), "c", tmp_path / "out", scalar="float", samples=500)
-    assert "typedef float" in (tmp_path / "out" / "wheel2_degraded.h").read_text()
+    """Of gyros, whose angles come with every sample; test_export_stacks.py flies the same in double."""
+    code = export(load("agile_cmg"), "c", tmp_path / "out", scalar="float", samples=500)
+    assert code.columns["measurement.gimbal"] == 4
+    assert "typedef float" in (tmp_path / "out" / "agile_cmg.h").read_text()
     assert "500 samples in float" in built_and_tested(tmp_path / "out")
     # The self-test can fail: a record of something else is refused.
     path = tmp_path / "out" / "recorded.csv"
