@@ -5,14 +5,13 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from commands import gyrostat
 from hypothesis import settings
 from numpy.typing import NDArray
 
@@ -26,17 +25,21 @@ settings.register_profile("gyrostat", derandomize=True, deadline=None)
 settings.load_profile("gyrostat")
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """A file stays on one worker, because its fixtures are made once; of a class, each parameter may go elsewhere."""
-    from xdist.scheduler import LoadFileScheduling
+LONGEST_FIRST = (
+    *("export_stacks", "report", "export_fmu", "export", "campaign_runs", "tutorials", "page_browser", "design_loop"),
+    *("docs", "package", "cao2023", "sequential", "design_bandwidth", "verify"),
+)
 
-    class ByFile(LoadFileScheduling):
-        def _split_scope(self, nodeid: str) -> str:
-            file, *names = nodeid.split("::")
-            return f"{file}[{names[-1].partition('[')[2]}" if len(names) > 1 else file
 
-    return ByFile(config, log)
+def pytest_configure(config: pytest.Config) -> None:
+    """Workers take files in the order in which they are collected, not those with many tests first."""
+    config.option.loadscopereorder = False
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The longest files first: none is left for the end, when the other workers have nothing to do."""
+    places = {f"test_{name}": i for i, name in enumerate(LONGEST_FIRST)}
+    items.sort(key=lambda item: places.get(item.path.stem, len(places)))
 
 
 @pytest.fixture(scope="session")
@@ -78,9 +81,7 @@ def columns_of() -> Callable[[str], dict[str, NDArray[np.float64]]]:
 def report(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What ``gyrostat reproduce --out`` leaves for the module's ``PAPER``, with its JSON output in ``out.json``."""
     folder = tmp_path_factory.mktemp("report")
-    start = "from gyrostat.cli import main; main()"
-    command = [sys.executable, "-c", start, "reproduce", request.module.PAPER, "--json", "--data", "--out", str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = gyrostat("reproduce", request.module.PAPER, "--json", "--data", "--out", folder)
     (folder / "out.json").write_text(done.stdout)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr
     return folder
