@@ -26,8 +26,8 @@ settings.load_profile("gyrostat")
 
 
 LONGEST_FIRST = (
-    *("export_stacks", "report", "export_fmu", "export", "campaign_runs", "tutorials", "page_browser", "design_loop"),
-    *("docs", "package", "cao2023", "sequential", "design_bandwidth", "verify"),
+    *("export_stacks", "export_fmu", "export", "campaign_runs", "tutorials", "design_loop", "li2018", "wang2023"),
+    *("tutorial", "clusters", "docs", "package", "cao2023", "design_bandwidth", "missions", "verify", "sequential"),
 )
 
 
