@@ -20,7 +20,7 @@ const Table& table_of(const Value& value, const std::string& where) {
   return *table;
 }
 
-const Table& block(const Table& scenario, const std::string& key) {
+const Table& block(const Table& scenario, const char* key) {
   static const Table empty;
   const Value* value = scenario.find(key);
   return value == nullptr || value->is_none() ? empty : table_of(*value, key);

@@ -6,6 +6,7 @@
 #pragma once
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -94,6 +95,12 @@ struct SumWave {
   std::string check() const;
 };
 
+/// Whether a variant has K among its alternatives; asked without making one, which a recursive variant cannot answer.
+template <class K, class Variant>
+inline constexpr bool is_alternative = false;
+template <class K, class... Kinds>
+inline constexpr bool is_alternative<K, std::variant<Kinds...>> = (std::is_same_v<K, Kinds> || ...);
+
 class Waveform {
  public:
   using Kind = std::variant<ConstantWave, SineWave, SquareWave, StepsWave, TableWave, SumWave>;
@@ -102,7 +109,7 @@ class Waveform {
   Waveform(Kind kind) : kind_(std::move(kind)) {}
   /// Any of the kinds, so that `Waveform w = SineWave{...}` reads as it is.
   template <class K>
-    requires requires(K k) { Kind(std::in_place_type<K>, k); }
+    requires is_alternative<K, Kind>
   Waveform(K kind) : kind_(std::in_place_type<K>, std::move(kind)) {}
 
   // Defined in the source file: a variant of vectors inlined into every user is slow to compile.

@@ -124,7 +124,8 @@ class ThresholdDetector {
   }
 
   void forget(const Vehicle<S>& vehicle) noexcept {
-    det_ = Detection<S>::none(vehicle);
+    const Detection<S> none = Detection<S>::none(vehicle);
+    det_ = none;  // copied: in a move gcc 14 sees sizes below zero
     if (params_.dither > S(0)) det_.enabled = Mask::all(vehicle.actuators());  // a probe takes all of the redundancy
     reference_ = seen_ = VecN<S>::Ones(vehicle.actuators());
     for (int j = 0; j < max_actuators; ++j) beyond_[j] = quiet_[j] = 0;

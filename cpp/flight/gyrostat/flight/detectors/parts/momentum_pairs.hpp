@@ -41,7 +41,7 @@ class MomentumPairs {
   /// The last four outside, or six of the last eight: all to one side, or by half as much again. Neighbours share a reading, so
   /// noise goes from side to side, and four of them outside are not as rare as their shares multiplied.
   bool persists() const noexcept {
-    const auto persist = [this](auto outside) { return count(4, outside) == 4 || count(8, outside) >= 6; };
+    const auto persist = [this](auto outside) { return this->count(4, outside) == 4 || this->count(8, outside) >= 6; };
     return persist([](const auto& p) { return p.error() > p.tolerance; }) ||
            persist([](const auto& p) { return p.error() < -p.tolerance; }) ||
            persist([](const auto& p) { return !p.inside(S(1.5)); });

@@ -13,7 +13,7 @@ class NullSpace {
  public:
   NullSpace() noexcept = default;
   NullSpace(const Mat3N<S>& D_B, Mask members) noexcept : members_(members), n_(static_cast<int>(D_B.cols())) {
-    for (int r = 0; r < 3; ++r) {
+    for (int r = 0; r < 3 && n_ > 0; ++r) {
       VecN<S> row(n_);
       for (int i = 0; i < n_; ++i) row[i] = members.test(i) ? D_B(r, i) : S(0);
       const S length = row.norm();
