@@ -36,7 +36,7 @@ def min_max(x: Array, stretch: int) -> Indices:
     gap = np.isnan(padded)
     start = np.arange(rows) * stretch
     picked = [
-        [0, n - 1],
+        np.array([0, n - 1]),
         start + np.where(gap, np.inf, padded).argmin(1),
         start + np.where(gap, -np.inf, padded).argmax(1),
         (start + gap.argmax(1))[gap.any(1)],
