@@ -212,7 +212,7 @@ TYPED_TEST(Guard, AnInvalidRateIsCarriedOnByTheModel) {
   body.omega_BN_B = {0.1, -0.2, 0.15};
   body.d_B = {0.02, -0.01, 0.03};  // the observer knows it by then
   double held = 0;
-  Vec3<double> before;
+  Vec3<double> before = Vec3<double>::Zero();
   for (int k = 0; k < 400; ++k) {
     Measurement<S> y = body.measured<S>(static_cast<Tick>(k));
     if (k == 200) before = body.omega_BN_B;
