@@ -440,21 +440,20 @@ def test_six_kills_lose_nothing_and_double_nothing(tmp_path: Path) -> None:
     assert script.differences(campaign(), out, runs, tmp_path / "in_one_go") == []
 
 
-def test_ctrl_c_leaves_a_folder_that_can_be_taken_up_within_two_seconds(tmp_path: Path) -> None:
-    file, out = toml_of(tmp_path), tmp_path / "out"
-    command = [sys.executable, "-c", START, "campaign", str(file), "--runs", "1000000", "--chunk", "200000"]
+def test_ctrl_c_waits_for_no_chunk_and_leaves_a_folder_that_can_be_taken_up(tmp_path: Path) -> None:
+    """The chunk that it interrupts has 120 million samples, minutes of flight."""
+    file, out = toml_of(tmp_path, set={**SET, "duration": 600.0}), tmp_path / "out"
+    command = [sys.executable, "-c", START, "campaign", str(file), "--runs", "20000", "--chunk", "20000"]
     with subprocess.Popen([*command, "--out", str(out)], stderr=subprocess.PIPE, text=True) as process:
         while not out.exists() and process.poll() is None:  # made before the first flight
             time.sleep(0.02)
         time.sleep(0.5)  # it flies by now
         assert process.poll() is None
-        began = time.monotonic()
         process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=10.0) == 130
-        assert time.monotonic() - began < 2.0
+        assert process.wait(timeout=60.0) == 130
         assert process.stderr is not None
         assert process.stderr.read() == "error: interrupted\n"
-    assert gyrostat("campaign", file, "--runs", "20", "--out", out).returncode == 0
+    assert gyrostat("campaign", file, "--runs", "2", "--out", out).returncode == 0
 
 
 def test_a_full_disk_ends_with_status_5_and_leaves_what_is_there(tmp_path: Path) -> None:
