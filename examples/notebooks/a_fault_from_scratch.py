@@ -77,9 +77,9 @@ for name, fault in kinds.items():
     )
 
 # %% [markdown]
-# Five of them are hardly felt. Full blast loses the flight: to hold against one wheel of this pyramid takes all that the
-# three others have, and nothing is left to point with. The detector says what it can tell from the wheel's own momentum; a wheel that is hardly asked for anything
-# hardly shows what it has left.
+# Five of them are hardly felt. Full blast loses the flight: to hold against one wheel of this pyramid takes all that the three
+# others have, and nothing is left to point with. The detector says what it can tell from the wheel's own momentum; a wheel that is
+# hardly asked for anything hardly shows what it has left.
 #
 # [Faults](../../docs/faults.md) has the law of each, how several combine and where limits act.
 #

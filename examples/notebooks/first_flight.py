@@ -10,7 +10,8 @@
 #
 # A spacecraft turns to rest, a wheel loses most of its torque, and the spacecraft keeps pointing. Two minutes, nothing to write.
 #
-# Every block of these pages runs in the tests, in this order. The same page as a notebook: [first_flight.py](first_flight.py).
+# Every block of these pages runs in the tests, in this order. The same page as a notebook:
+# [first_flight.py](first_flight.py).
 #
 # ## Take a scenario
 #
