@@ -16,6 +16,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+import traceback
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -61,7 +63,7 @@ def _serve() -> None:
         child = os.fork()
         if child == 0:
             _become(**call)
-            cli.main()
+            _leave(cli.main)
         print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 
 
@@ -72,6 +74,25 @@ def _become(arguments: list[str], cwd: str, files: list[str]) -> None:
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     for descriptor, file in enumerate(files, 1):
         os.dup2(os.open(file, os.O_WRONLY | os.O_APPEND), descriptor)
+
+
+def _leave(main: Callable[[], None]) -> None:
+    """End with the status of `main`, at once.
+
+    Libraries that were loaded before the copy had threads that the copy has not: to take them down would abort it.
+    """
+    status = 1
+    try:
+        main()
+        status = 0
+    except SystemExit as end:
+        status = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
 
 
 if __name__ == "__main__":
