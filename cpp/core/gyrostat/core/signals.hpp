@@ -8,6 +8,7 @@
 ///
 /// Page: docs/architecture.md
 #pragma once
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -195,10 +196,11 @@ struct Detection {
 
   /// Nothing detected: everything but the spares is enabled.
   static Detection none(const Vehicle<S>& vehicle) noexcept {
+    const int n = std::max(vehicle.actuators(), 0);  // or gcc 14 warns of a copy of less than nothing
     Detection det;
-    det.enabled = Mask::all(vehicle.actuators()).without(vehicle.spare);
-    det.gain = VecN<S>::Ones(vehicle.actuators());
-    det.bias = VecN<S>::Zero(vehicle.actuators());
+    det.enabled = Mask::all(n).without(vehicle.spare);
+    det.gain = VecN<S>::Ones(n);
+    det.bias = VecN<S>::Zero(n);
     return det;
   }
 };
