@@ -294,10 +294,10 @@ def test_a_body_with_gravity_gradient_on_a_circular_orbit_is_model_b(integrator:
 # ---- the controller -------------------------------------------------------------------------------------------------
 
 
-def test_the_error_is_gone_at_t_from_thirty_starts() -> None:
+def test_the_error_is_gone_at_t_from_a_hundred_starts() -> None:
     rng = np.random.default_rng(7)
     at_T = []
-    for _ in range(30):
+    for _ in range(100):
         initial = {"euler": rng.uniform(-1.5, 1.5, 3).tolist(), "omega_BN_B": rng.uniform(-1.0, 1.0, 3).tolist()}
         result = case("T2").replace(initial=initial, duration=2.6).run(channels=["error.euler"])
         error = np.abs(result["error.euler"]).max(axis=1)

@@ -148,8 +148,7 @@ class EvidenceDetector {
   int block() const noexcept { return static_cast<int>(std::clamp(std::round(params_.block / dt_), S(2), S(5e7))); }
 
   void forget(const Vehicle<S>& vehicle) noexcept {
-    const Detection<S> none = Detection<S>::none(vehicle);
-    det_ = none;  // copied: in a move gcc 14 sees sizes below zero
+    det_ = Detection<S>::none(vehicle);
     named_ = recovered_ = declared_ = Mask{};
     const WheelRules<S> rules{dt_, block(), params_.z, params_.momentum_delay, params_.failed_below, params_.confirm};
     for (int i = 0; i < vehicle.actuators(); ++i) {

@@ -124,8 +124,7 @@ class ThresholdDetector {
   }
 
   void forget(const Vehicle<S>& vehicle) noexcept {
-    const Detection<S> none = Detection<S>::none(vehicle);
-    det_ = none;  // copied: in a move gcc 14 sees sizes below zero
+    det_ = Detection<S>::none(vehicle);
     if (params_.dither > S(0)) det_.enabled = Mask::all(vehicle.actuators());  // a probe takes all of the redundancy
     reference_ = seen_ = VecN<S>::Ones(vehicle.actuators());
     for (int j = 0; j < max_actuators; ++j) beyond_[j] = quiet_[j] = 0;
