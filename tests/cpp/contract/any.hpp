@@ -144,40 +144,30 @@ struct AllocatorModel final : Model<T, AllocatorRole<S>, AllocatorModel<T>> {
   }
 };
 
-template <class T>
-auto model_type() {
+/// The interface of a component's role, and the component behind it.
+template <class R, class M>
+struct Place {
+  using Role = R;
+  using Model = M;
+};
+template <class T, class S = typename T::Scalar>
+auto place_of() {
   if constexpr (Navigator<T>) {
-    return std::type_identity<NavigatorModel<T>>{};
+    return Place<NavigatorRole<S>, NavigatorModel<T>>{};
   } else if constexpr (Observer<T>) {
-    return std::type_identity<ObserverModel<T>>{};
+    return Place<ObserverRole<S>, ObserverModel<T>>{};
   } else if constexpr (Detector<T>) {
-    return std::type_identity<DetectorModel<T>>{};
+    return Place<DetectorRole<S>, DetectorModel<T>>{};
   } else if constexpr (Controller<T>) {
-    return std::type_identity<ControllerModel<T>>{};
+    return Place<ControllerRole<S>, ControllerModel<T>>{};
   } else {
-    return std::type_identity<AllocatorModel<T>>{};
+    return Place<AllocatorRole<S>, AllocatorModel<T>>{};
   }
 }
 template <class T>
-using ModelOf = typename decltype(model_type<T>())::type;
-
+using ModelOf = typename decltype(place_of<T>())::Model;
 template <class T>
-auto role_type() {
-  using S = typename T::Scalar;
-  if constexpr (Navigator<T>) {
-    return std::type_identity<NavigatorRole<S>>{};
-  } else if constexpr (Observer<T>) {
-    return std::type_identity<ObserverRole<S>>{};
-  } else if constexpr (Detector<T>) {
-    return std::type_identity<DetectorRole<S>>{};
-  } else if constexpr (Controller<T>) {
-    return std::type_identity<ControllerRole<S>>{};
-  } else {
-    return std::type_identity<AllocatorRole<S>>{};
-  }
-}
-template <class T>
-using RoleOf = typename decltype(role_type<T>())::type;
+using RoleOf = typename decltype(place_of<T>())::Role;
 
 inline constexpr std::size_t room_of_a_component = 32768;  ///< bytes
 
