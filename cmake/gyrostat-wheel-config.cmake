@@ -2,7 +2,10 @@
 # find_package(gyrostat) for who installed the Python package: the headers of core and flight.
 #   cmake -Dgyrostat_DIR=$(gyrostat config --cmake) ...
 include(CMakeFindDependencyMacro)
-find_dependency(Eigen3 3.4 NO_MODULE)
+find_package(Eigen3 3.4 QUIET NO_MODULE)
+if(NOT Eigen3_FOUND)
+  find_dependency(Eigen3 5 NO_MODULE)  # which does not answer to 3.4
+endif()
 foreach(_component IN LISTS gyrostat_FIND_COMPONENTS)
   if(_component MATCHES "^(core|flight)$")
     set(gyrostat_${_component}_FOUND TRUE)

@@ -891,5 +891,5 @@ def words(
     Random words of runs first to last - 1, shape (last - first, sum(counts)): of each stream, named by a hash, its count. Word j is Philox4x64-10 with key (seed, run) and counter (j div 4, name, part, domain), element j mod 4.
     """
 
-__version__: str = "0.1.0"
+__version__: str = "0.2.0"
 default_rank_tolerance: float = 0.01

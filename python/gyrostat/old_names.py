@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 import warnings
 
-UNTIL = "0.2"
+UNTIL = "0.3"
 """The version that no longer knows them."""
 
 RENAMED = {
