@@ -147,14 +147,14 @@ debian-bench:
 	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST) libbenchmark-dev
 
 # The virtual environment carries the build requirements, so that a rebuild compiles only what changed. The module is
-# compiled by the compiler of `make cpp`, under the same name: ccache then finds truth and host there. The test tools bring
-# a CMake of their own into the environment; with it everything would be built once more.
+# compiled where `make cpp` compiled the libraries, by the same compiler and CMake: the test tools bring one of their own into
+# the environment, with which everything would be built once more.
 $(VENV)/venv.stamp: pyproject.toml | debian-run
 	@scripts/make_venv $(VENV)
 	@touch $@
 
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(PACKAGE) | debian-run
-	@CXX=$${CXX:-c++} CMAKE_EXECUTABLE=$$(command -v cmake) $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation .
+	@CXX=$${CXX:-c++} CMAKE_EXECUTABLE=$$(command -v cmake) $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation -Cbuild-dir=build/release .
 	@touch $@
 
 $(VENV)/docs.stamp: $(VENV)/venv.stamp

@@ -35,6 +35,9 @@ function(gyrostat_flags target)
   if(GYROSTAT_PRECOMPILE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND GYROSTAT_CCACHE)
     target_compile_options(${target} PRIVATE -fpch-preprocess)
   endif()
+  if(GYROSTAT_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # which takes a file inside another for a header
+  endif()
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
 endfunction()
 
@@ -50,6 +53,7 @@ function(gyrostat_layer name)
     target_compile_options(${target} PRIVATE -Wsign-conversion)  # as flags of a user may ask of our headers; -Wpedantic would lose the precompiled one
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # the Python module links them
     gyrostat_precompile(${target})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${GYROSTAT_UNITY} UNITY_BUILD_BATCH_SIZE 5)
   else()
     set(scope INTERFACE)
     add_library(${target} INTERFACE)

@@ -7,7 +7,7 @@
 #include "../flight/closed_loop.hpp"
 #include "any_components.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_axes {
 namespace {
 
 /// Axes that turn about body z, from those of `ftc_4rw` on, whatever the vehicle says.
@@ -100,4 +100,4 @@ TEST(Axes, StacksPointWithAxesThatMove) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_axes

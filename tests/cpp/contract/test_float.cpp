@@ -6,7 +6,7 @@
 
 #include "any_components.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_float {
 namespace {
 
 // ---- float ---------------------------------------------------------------------------------------------------------
@@ -104,4 +104,4 @@ TEST(Signals, StaySmall) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_float

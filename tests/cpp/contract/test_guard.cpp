@@ -11,7 +11,7 @@
 #include "../random.hpp"
 #include "any_components.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_guard {
 namespace {
 
 template <class S>
@@ -992,4 +992,4 @@ TEST(GuardProbe, IsAddedToThePreference) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_guard

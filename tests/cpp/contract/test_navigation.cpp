@@ -7,7 +7,7 @@
 #include "../flight/closed_loop.hpp"
 #include "any_components.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_navigation {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -241,4 +241,4 @@ TEST(Navigation, KnowledgeIsNoTorqueToAnyObserver) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_navigation

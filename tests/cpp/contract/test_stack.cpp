@@ -8,7 +8,7 @@
 #include "gyrostat/flight/observers/iterative_learning.hpp"
 #include "stacks.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_stack {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -333,4 +333,4 @@ TEST(GuardLooksAt, EveryNumberOfEverySignal) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_stack

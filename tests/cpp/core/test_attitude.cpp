@@ -8,7 +8,7 @@
 
 #include "../random.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_attitude {
 namespace {
 
 constexpr int trials = 200;
@@ -368,4 +368,4 @@ TEST(AttitudeDouble, EulerRatesMoveTheQuaternionAsTheBodyRateDoes) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_attitude

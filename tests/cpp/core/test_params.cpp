@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_params {
 namespace {
 
 using St = Status<double>;
@@ -105,4 +105,4 @@ TEST(Traits, AbsentMeansFalse) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_params

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_power {
 namespace {
 
 template <class S>
@@ -111,4 +111,4 @@ TYPED_TEST(Power, SaturatedIsAtALimitAndNotAtRest) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_power

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_set_parameter {
 namespace {
 
 enum class Method : std::uint8_t { first, second, third };
@@ -116,4 +116,4 @@ TYPED_TEST(SetParameter, TakesColumnsRowByRow) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_set_parameter

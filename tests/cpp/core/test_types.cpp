@@ -5,7 +5,7 @@
 
 #include "gyrostat/core/signals.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_types {
 namespace {
 
 TEST(Mask, HoldsEveryActuator) {
@@ -64,4 +64,4 @@ TEST(Detection, SparesAreOffUntilSomebodyEnablesThem) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_types

@@ -9,7 +9,7 @@
 #include "li2018.hpp"
 #include "telemetry_log.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_compensation_margin {
 namespace {
 
 /// Largest real part of the eigenvalues of the loop itself: sigma' = w', what' observer, sliding correction of slope r.
@@ -79,4 +79,4 @@ TEST(CompensationMargin, NonlinearLoopFollowsIt) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_compensation_margin

@@ -20,7 +20,7 @@
 #include "gyrostat/flight/stack.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_defaults {
 namespace {
 
 TEST(TorqueAuthority, IsTheRadiusOfTheTorqueSet) {
@@ -187,4 +187,4 @@ INSTANTIATE_TEST_SUITE_P(Craft, VehicleDefaults, testing::ValuesIn(crafts),
                          [](const auto& craft) { return std::string(craft.param.name); });
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_defaults

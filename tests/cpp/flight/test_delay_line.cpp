@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_delay_line {
 namespace {
 
 TEST(DelayLine, GivesBackWhatWasPushedThatManyPushesAgo) {
@@ -28,4 +28,4 @@ TEST(DelayLine, ForgetsWhenFilled) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_delay_line

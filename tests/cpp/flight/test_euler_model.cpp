@@ -7,7 +7,7 @@
 #include "../random.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_euler_model {
 namespace {
 
 gyrostat::Setup<double> printed() {
@@ -101,4 +101,4 @@ TEST(EulerModel, RefusesProductsOfInertiaAndWheels) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_euler_model

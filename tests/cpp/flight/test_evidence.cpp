@@ -12,7 +12,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_evidence {
 namespace {
 
 template <class S>
@@ -468,4 +468,4 @@ TEST(EvidenceGuard, TorqueLeftIsWhatTheTorqueSetHasBeyondThePush) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_evidence

@@ -14,7 +14,7 @@
 #include "gyrostat/flight/stack.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_facade {
 namespace {
 
 using Stack = FlightStack<PassthroughObserver<double>, NoDetector<double>, MrpFeedback<double>, PseudoInverse<double>>;
@@ -135,4 +135,4 @@ TEST(Facade, BeforeTheFirstStepActuatorsAreHealthyAndNobodyHasLookedAtThem) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_facade

@@ -10,7 +10,7 @@
 #include "li2018.hpp"
 #include "telemetry_log.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_finite_time_disturbance {
 namespace {
 
 template <class S>
@@ -319,4 +319,4 @@ TEST(FiniteTimeDisturbanceDouble, AStartForgetsTheIntegral) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_finite_time_disturbance

@@ -6,7 +6,7 @@
 #include "../random.hpp"
 #include "gyrostat/core/power.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_implicit_root {
 namespace {
 
 struct Case {
@@ -127,4 +127,4 @@ TEST(HalfPower, UsesProductsWithoutChangingTheResult) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_implicit_root

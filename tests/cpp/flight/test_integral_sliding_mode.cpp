@@ -8,7 +8,7 @@
 #include "li2018.hpp"
 #include "telemetry_log.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_integral_sliding_mode {
 namespace {
 
 using Law = IntegralSlidingMode<double>;
@@ -212,4 +212,4 @@ TEST(IntegralSlidingModeCheck, RefusesALayerTooSteepForTheSample) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_integral_sliding_mode

@@ -13,7 +13,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_joint_kalman {
 namespace {
 
 /// Rigid body with wheels or torquers, one RK4 step a sample; an actuator delivers effectiveness * u + bias.
@@ -719,4 +719,4 @@ TEST(JointKalmanObserver, RefusesWhatCannotWork) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_joint_kalman

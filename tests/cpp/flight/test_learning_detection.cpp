@@ -12,7 +12,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_learning_detection {
 namespace {
 
 template <class S>
@@ -447,4 +447,4 @@ TEST(IterativeLearning, RefusesWhatRingsWhenSampled) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_learning_detection

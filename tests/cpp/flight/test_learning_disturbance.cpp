@@ -7,7 +7,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_learning_disturbance {
 namespace {
 
 LearningErrorLoop published(double step, int delay) { return {18, 0.98, 15, 5, step, delay}; }
@@ -187,4 +187,4 @@ TEST(LearningDisturbanceObserver, IsItsRecursionWithTheMeanOfTheKnownTorque) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_learning_disturbance

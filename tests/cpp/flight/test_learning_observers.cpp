@@ -11,7 +11,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_learning_observers {
 namespace {
 
 /// Steps `observer` along `body` under u(k), calls `look(k, estimate, last)`.
@@ -502,4 +502,4 @@ TEST(LearningEffectivenessDouble, IsTheEquationsOfItsPageBoundIncluded) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_learning_observers

@@ -8,7 +8,7 @@
 #include "li2018.hpp"
 #include "telemetry_log.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_li2018_golden {
 namespace {
 
 Measurement<double> recorded(const Golden& golden, std::size_t k) {
@@ -51,4 +51,4 @@ TEST(Li2018Golden, SaturatedPdTuned) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_li2018_golden

@@ -11,7 +11,7 @@
 #include "alone.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_mekf {
 namespace {
 
 using Params = Mekf<double>::Params;
@@ -374,4 +374,4 @@ TEST(Mekf, CheckSaysWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_mekf

@@ -9,7 +9,7 @@
 #include "gyrostat/flight/observers/mixed_learning_disturbance.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_mixed_learning {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -288,4 +288,4 @@ TEST(MixedLearningDouble, AResetLearningKnowsNothing) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_mixed_learning

@@ -10,7 +10,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_mixed_learning_laws {
 namespace {
 
 using Surface = RateAttitudeSurface<double>;
@@ -292,4 +292,4 @@ TYPED_TEST(SlidingLaws, SwitchInTheirLayer) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_mixed_learning_laws

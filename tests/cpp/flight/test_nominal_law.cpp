@@ -13,7 +13,7 @@
 #include "gyrostat/flight/stack.hpp"
 #include "li2018.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_nominal_law {
 namespace {
 
 template <class S>
@@ -152,4 +152,4 @@ TEST(NominalLawCheck, RefusesADampingThatTheSampleCannotCarry) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_nominal_law

@@ -13,7 +13,7 @@
 #include "gyrostat/flight/parts/effectiveness_regression.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_parts {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -227,4 +227,4 @@ TEST(Ldl, SaysWhenAPivotIsLostToCancellation) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_parts

@@ -10,7 +10,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_preassigned_time {
 namespace {
 
 TEST(PreassignedPath, StartsAsToldAndEndsAtRest) {
@@ -454,4 +454,4 @@ TEST(PreassignedTime, TheAnglesEndATenthOfAMilliradianBeforeThePoleOrAPeriodBefo
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_preassigned_time

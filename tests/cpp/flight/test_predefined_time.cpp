@@ -13,7 +13,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_predefined_time {
 namespace {
 
 Setup<double> satellite() {
@@ -357,4 +357,4 @@ TEST(PredefinedTimeDouble, CountsTheSlopeOfItsLayerForStability) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_predefined_time

@@ -10,7 +10,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_prescribed_performance {
 namespace {
 
 template <class S>
@@ -331,4 +331,4 @@ TEST(PrescribedPerformance, CountsTheSteepestSlopeOfItsTerminalPartForStability)
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_prescribed_performance

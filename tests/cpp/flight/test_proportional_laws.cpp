@@ -8,7 +8,7 @@
 #include "gyrostat/flight/controllers/open_loop.hpp"
 #include "li2018.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_proportional_laws {
 namespace {
 
 template <class Law>
@@ -150,4 +150,4 @@ TEST(ProportionalLawsCheck, RefuseADampingThatTheSampleCannotCarry) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_proportional_laws

@@ -8,7 +8,7 @@
 #include "alone.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_pseudo_inverse {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -277,4 +277,4 @@ TEST(PseudoInverse, DoesNotPreferWhatItMayNotUse) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_pseudo_inverse

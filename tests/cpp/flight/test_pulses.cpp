@@ -10,7 +10,7 @@
 #include "gyrostat/flight/stack.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_pulses {
 namespace {
 
 template <class S>
@@ -88,4 +88,4 @@ TYPED_TEST(Pulses, OfTheStackAreWhatItSaysItAchieved) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_pulses

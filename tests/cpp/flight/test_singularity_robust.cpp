@@ -11,7 +11,7 @@
 #include "gyrostat/flight/control_moment_gyros.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_singularity_robust {
 namespace {
 
 static_assert(Geometry<ControlMomentGyros<double>, double> && Geometry<ControlMomentGyros<float>, float>);
@@ -182,4 +182,4 @@ TEST(ControlMomentGyros, AnglesThatCannotBeLeaveTheAxesWhereTheyWere) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_singularity_robust

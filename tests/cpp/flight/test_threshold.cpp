@@ -9,7 +9,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_threshold {
 namespace {
 
 using Detector = ThresholdDetector<double>;
@@ -194,4 +194,4 @@ TEST(ThresholdCheck, RefusesAProbeThatFillsTheLimitsOrIsTooFast) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_threshold

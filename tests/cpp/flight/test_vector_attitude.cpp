@@ -11,7 +11,7 @@
 #include "gyrostat/flight/navigators/mekf.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_vector_attitude {
 namespace {
 
 using V3 = Vec3<double>;
@@ -268,4 +268,4 @@ TEST(MekfOnDirections, FloatFollowsDouble) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_vector_attitude

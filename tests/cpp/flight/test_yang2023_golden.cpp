@@ -14,7 +14,7 @@
 #include "telemetry_log.hpp"
 #include "vehicles.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_yang2023_golden {
 namespace {
 
 using Observer = AdaptiveIterativeLearningObserver<double>;
@@ -140,4 +140,4 @@ TEST(Yang2023Golden, MovingReference) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_yang2023_golden

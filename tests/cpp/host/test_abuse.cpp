@@ -11,7 +11,7 @@
 
 #include "gyrostat/host/catalogue.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_abuse {
 namespace {
 
 /// Stated recovery in samples, by "role name".
@@ -73,4 +73,4 @@ TEST(Abuse, NoVehicleMakesAComponentLatch) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_abuse

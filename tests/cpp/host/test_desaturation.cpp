@@ -14,7 +14,7 @@
 #include "gyrostat/flight/stack.hpp"
 #include "gyrostat/truth/rigid_plant.hpp"
 
-namespace gyrostat::host {
+namespace gyrostat::host::test_desaturation {
 namespace {
 
 using V = Vec3<double>;
@@ -268,4 +268,4 @@ TEST(Desaturation, AFieldThatIsNotMeasuredStandsStillInSpace) {
 }
 
 }  // namespace
-}  // namespace gyrostat::host
+}  // namespace gyrostat::host::test_desaturation

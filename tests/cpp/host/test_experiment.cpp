@@ -12,7 +12,7 @@
 #include "../../../benchmarks/scenarios.hpp"
 #include "gyrostat/host/simulate.hpp"
 
-namespace gyrostat::host {
+namespace gyrostat::host::test_experiment {
 namespace {
 
 using bench::row;
@@ -95,4 +95,4 @@ TEST(Experiment, WantsOneValueAColumn) {
 }
 
 }  // namespace
-}  // namespace gyrostat::host
+}  // namespace gyrostat::host::test_experiment

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace gyrostat::host {
+namespace gyrostat::host::test_metrics {
 namespace {
 
 template <class M>
@@ -222,4 +222,4 @@ TEST(Metrics, OfNothingAreNeverAndSizesAreChecked) {
 }
 
 }  // namespace
-}  // namespace gyrostat::host
+}  // namespace gyrostat::host::test_metrics

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace gyrostat::host {
+namespace gyrostat::host::test_parameters {
 namespace {
 
 struct Params {
@@ -156,4 +156,4 @@ TEST(Nearest, FindsATypoAndNothingFarAway) {
 }
 
 }  // namespace
-}  // namespace gyrostat::host
+}  // namespace gyrostat::host::test_parameters

@@ -9,7 +9,7 @@
 
 #include "gyrostat/host/reference.hpp"
 
-namespace gyrostat::host {
+namespace gyrostat::host::test_pointing {
 namespace {
 
 using V3 = Vec3<double>;
@@ -248,4 +248,4 @@ TEST(Pointing, SurveysTheFlightForDirectionsThatComeTogether) {
 }
 
 }  // namespace
-}  // namespace gyrostat::host
+}  // namespace gyrostat::host::test_pointing

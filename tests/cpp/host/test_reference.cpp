@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace gyrostat::host {
+namespace gyrostat::host::test_reference {
 namespace {
 
 using V3 = Vec3<double>;
@@ -233,4 +233,4 @@ TEST(Steps, RefuseWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace gyrostat::host
+}  // namespace gyrostat::host::test_reference

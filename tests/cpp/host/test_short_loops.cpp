@@ -9,7 +9,7 @@
 #include "gyrostat/host/catalogue.hpp"
 #include "gyrostat/host/simulate.hpp"
 
-namespace gyrostat::host {
+namespace gyrostat::host::test_short_loops {
 namespace {
 
 using bench::row;
@@ -203,4 +203,4 @@ TEST(ShortLoops, EveryObserverAsAShadow) {
 }
 
 }  // namespace
-}  // namespace gyrostat::host
+}  // namespace gyrostat::host::test_short_loops

@@ -15,7 +15,7 @@
 #include "gyrostat/flight/observers/passthrough.hpp"
 #include "gyrostat/host/assembly.hpp"
 
-namespace gyrostat::host {
+namespace gyrostat::host::test_simulate {
 namespace {
 
 using bench::ftc_4rw;
@@ -292,4 +292,4 @@ TEST(BadVehicle, InertiaIsJudged) {
 }
 
 }  // namespace
-}  // namespace gyrostat::host
+}  // namespace gyrostat::host::test_simulate

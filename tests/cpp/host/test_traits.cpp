@@ -6,7 +6,7 @@
 #include "../flight/closed_loop.hpp"
 #include "gyrostat/host/assembly.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_traits {
 namespace {
 
 /// The rotations that rename the axes and turn some of them round, but for the one that does nothing.
@@ -102,4 +102,4 @@ TEST(Traits, AComponentThatKnowsAnAxisIsNotAxiswise) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_traits

@@ -6,7 +6,7 @@
 
 #include "support.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_actuators {
 namespace {
 
 using test::vec;
@@ -142,4 +142,4 @@ TEST(Actuators, RefuseWhatDoesNotFitTogether) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_actuators

@@ -7,7 +7,7 @@
 
 #include "support.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_disturbances {
 namespace {
 
 constexpr double half_pi = std::numbers::pi / 2;
@@ -98,4 +98,4 @@ TEST(Disturbances, RefuseWhatIsIncomplete) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_disturbances

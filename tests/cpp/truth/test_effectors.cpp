@@ -9,7 +9,7 @@
 #include "gyrostat/truth/rigid_plant_definitions.hpp"
 #include "support.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_effectors {
 namespace {
 
 using namespace test;
@@ -182,4 +182,4 @@ TEST(Effectors, KindsThatNobodyUsesChangeNoBit) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_effectors

@@ -5,7 +5,7 @@
 #include "gyrostat/truth/euler_plant.hpp"
 #include "random.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_euler_plant {
 namespace {
 
 PlantModel printed() {
@@ -36,7 +36,7 @@ double printed_g1(const Vec3<double>& a, const Vec3<double>& v, double w0, doubl
 }
 
 TEST(EulerPlant, HasThePrintedFirstRow) {
-  test::Random random(1);
+  gyrostat::test::Random random(1);
   const PlantModel model = printed();
   const EulerBody body(model.J_B, 0.1);
   for (int k = 0; k < 100; ++k) {
@@ -120,4 +120,4 @@ TEST(RateSensorFaults, AreRefusedWithoutWindowOrPeriod) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_euler_plant

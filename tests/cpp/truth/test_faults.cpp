@@ -7,7 +7,7 @@
 
 #include "gyrostat/truth/actuators.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_faults {
 namespace {
 
 TEST(Faults, SwitchAtOnsetAtTheirLawsJumpsAndAtTheirEnd) {
@@ -218,4 +218,4 @@ TEST(FaultContract, ARenamedLossOfEffectivenessActsAsTheOriginalToTheLastBit) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_faults

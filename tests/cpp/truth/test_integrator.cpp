@@ -5,7 +5,7 @@
 
 #include "support.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_integrator {
 namespace {
 
 using namespace test;
@@ -114,4 +114,4 @@ TEST(Integrator, QuaternionStaysAUnitAndKeepsItsSideThroughManyTurns) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_integrator

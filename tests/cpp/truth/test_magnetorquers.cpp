@@ -9,7 +9,7 @@
 #include "gyrostat/truth/rigid_plant.hpp"
 #include "support.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_magnetorquers {
 namespace {
 
 using V = Vec3<double>;
@@ -246,4 +246,4 @@ TEST(TorquesOfAnOrbit, PlatesThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_magnetorquers

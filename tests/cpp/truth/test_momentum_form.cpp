@@ -5,7 +5,7 @@
 
 #include "support.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_momentum_form {
 namespace {
 
 using namespace test;
@@ -72,4 +72,4 @@ TEST(MomentumForm, RefusesWhatIsNoInertia) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_momentum_form

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_noise {
 namespace {
 
 TEST(Noise, PhiloxIsThePublishedOne) {
@@ -79,4 +79,4 @@ TEST(Noise, ASmallRotationIsTheExponential) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_noise

@@ -8,7 +8,7 @@
 
 #include "support.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_orbit {
 namespace {
 
 using V = Vec3<double>;
@@ -154,4 +154,4 @@ TEST(Orbit, RefusesTheGroundAndASunWithoutDirection) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_orbit

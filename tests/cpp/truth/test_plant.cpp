@@ -22,7 +22,7 @@ void* operator new(std::size_t size) {
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_plant {
 namespace {
 
 using namespace test;
@@ -334,4 +334,4 @@ TEST(Plant, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_plant

@@ -11,7 +11,7 @@
 #include "gyrostat/truth/noise.hpp"
 #include "gyrostat/truth/sensors.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_sensors {
 namespace {
 
 // Statistical bounds are 4.9 standard errors: a correct generator fails one with probability 1e-6. Seeds are fixed.
@@ -409,4 +409,4 @@ TEST(Sensors, RefuseTwoOfAKindAndNegativeNumbers) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_sensors

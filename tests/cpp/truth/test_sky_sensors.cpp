@@ -9,7 +9,7 @@
 #include "gyrostat/core/attitude.hpp"
 #include "gyrostat/truth/sensors.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_sky_sensors {
 namespace {
 
 using V3 = Vec3<double>;
@@ -170,4 +170,4 @@ TEST(SkySensors, RefuseInOneLineWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_sky_sensors

@@ -7,7 +7,7 @@
 
 #include "gyrostat/truth/rigid_plant.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_thrusters {
 namespace {
 
 const auto punctual = [](double) { return Span{0, 0}; };
@@ -339,4 +339,4 @@ TEST(Thrusters, CvodeIsNotRestartedAtTheEdgesOfValves) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_thrusters

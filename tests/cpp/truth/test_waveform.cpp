@@ -5,7 +5,7 @@
 
 #include "gyrostat/truth/waveform.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_waveform {
 namespace {
 
 TEST(Waveform, IsMadeOfANumber) {
@@ -101,4 +101,4 @@ TEST(Waveform, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_waveform

@@ -10,7 +10,7 @@
 #include "random.hpp"
 #include "support.hpp"
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_wheels {
 namespace {
 
 using namespace test;
@@ -484,4 +484,4 @@ TEST(Plant, RandomFlightsOfWheelsWithLimitsAndFrictionAgreeKeepMomentumAndAreBou
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_wheels

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace gyrostat::truth {
+namespace gyrostat::truth::test_words {
 namespace {
 
 constexpr auto draws = static_cast<std::uint64_t>(WordDomain::draws);
@@ -46,4 +46,4 @@ TEST(Words, DifferByEveryPartOfTheirKey) {
 }
 
 }  // namespace
-}  // namespace gyrostat::truth
+}  // namespace gyrostat::truth::test_words

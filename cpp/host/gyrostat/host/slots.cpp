@@ -10,14 +10,14 @@
 namespace gyrostat::host {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+[[noreturn]] void refuse_slot(const std::string& path, const std::string& why) {
   throw std::invalid_argument("'" + path + "': " + why);
 }
 
 [[noreturn]] void refuse_word(const std::string& path, const std::string& what, const std::string& word,
                               const std::vector<std::string>& known) {
   const std::string near = nearest(word, known);
-  refuse(path, "no " + what + " '" + word + "'" +
+  refuse_slot(path, "no " + what + " '" + word + "'" +
                    (near.empty() ? "; there are: " + join(known) : ", did you mean '" + near + "'?"));
 }
 
@@ -38,7 +38,7 @@ std::size_t index_of(const std::string& path, const std::string& word, std::size
                       std::all_of(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; });
   const std::size_t i = digits ? std::stoul(word) : size;
   if (i >= size) {
-    refuse(path, "'" + word + "' is no position in a list of " + std::to_string(size) + ", which counts from 0");
+    refuse_slot(path, "'" + word + "' is no position in a list of " + std::to_string(size) + ", which counts from 0");
   }
   return i;
 }
@@ -102,7 +102,7 @@ Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::
       "initial",   "seed",   "noise_versions", "navigator",    "observer",  "detector",  "controller",
       "allocator", "faults", "shadows",        "disturbances", "reference", "sensors",   "integrator"};
   const auto next = [&] {
-    if (words.empty()) refuse(path, "more belongs here: the name of a parameter");
+    if (words.empty()) refuse_slot(path, "more belongs here: the name of a parameter");
     const std::string word = words.front();
     words.erase(words.begin());
     return word;
@@ -113,7 +113,7 @@ Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::
     return {&table, std::move(steps), std::move(params), words};
   };
   const auto component = [&](const auto& family, Table& table, Path steps, const ComponentSpec& spec) -> Target {
-    if (spec.type == "python") refuse(path, "a Python object has no parameters that can be named here");
+    if (spec.type == "python") refuse_slot(path, "a Python object has no parameters that can be named here");
     if (table.empty()) table.set("type", spec.type);
     const Place place{spec.where, a.setup.vehicle.actuators()};
     return {&table, std::move(steps), family.find(spec.type, spec.where).settings(a.setup, spec.params, place), words};
@@ -159,7 +159,7 @@ Slots::Target Slots::target_of(const Assembly& a, const std::string& path, std::
                               : component(c.detectors, table, std::move(steps), specs.second);
   }
   for (const char* fixed : {"duration", "dt", "name", "description", "allow_unstable", "record"}) {
-    if (head == fixed) refuse(path, head + " is the same in all flights of an experiment");
+    if (head == fixed) refuse_slot(path, head + " is the same in all flights of an experiment");
   }
   refuse_word(path, "number of a scenario under", head, heads);
 }
@@ -171,14 +171,14 @@ Slots::Slots(Table scenario, const Assembly& a, const std::vector<std::string>& 
 
 void Slots::add(const Assembly& a, const std::string& path) {
   Target target = target_of(a, path, words_of(path));
-  if (target.words.empty()) refuse(path, "more belongs here: the name of a parameter");
+  if (target.words.empty()) refuse_slot(path, "more belongs here: the name of a parameter");
   const int n = a.setup.vehicle.actuators();
   while (true) {
     const std::string word = target.words.front();
     target.words.erase(target.words.begin());
     const ParamInfo& p = named(target.params, path, word);
     if (p.kind == "choice" || p.kind == "switch" || p.kind == "text" || p.kind == "mask")
-      refuse(path, "is a " + p.kind + "; only numbers differ from flight to flight");
+      refuse_slot(path, "is a " + p.kind + "; only numbers differ from flight to flight");
     target.steps.emplace_back(word);
     const Value* given = target.table->find(word);
     Value value = given != nullptr && !given->is_none() ? *given : p.default_value;
@@ -198,7 +198,7 @@ void Slots::add(const Assembly& a, const std::string& path) {
       take(path, target.steps, found, p.kind == "integer");
       return;
     }
-    if (now->as<Table>() == nullptr) refuse(path, "'" + word + "' has no part '" + target.words.front() + "'");
+    if (now->as<Table>() == nullptr) refuse_slot(path, "'" + word + "' has no part '" + target.words.front() + "'");
     target.table = now->as<Table>();
     target.params = describe("waveform", text_at(*target.table, "type")).params;
   }
@@ -207,7 +207,7 @@ void Slots::add(const Assembly& a, const std::string& path) {
 /// One column a number: lists element by element, anything else whole.
 void Slots::take(const std::string& path, const Path& steps, const Value& value, bool whole) {
   if (const List* list = value.as<List>(); list != nullptr) {
-    if (list->empty()) refuse(path, "is empty; nothing in it can differ");
+    if (list->empty()) refuse_slot(path, "is empty; nothing in it can differ");
     for (std::size_t i = 0; i < list->size(); ++i) {
       Path deeper = steps;
       deeper.emplace_back(i);
@@ -216,12 +216,12 @@ void Slots::take(const std::string& path, const Path& steps, const Value& value,
     return;
   }
   if (value.as<std::string>() != nullptr || value.as<bool>() != nullptr)
-    refuse(path, "is " + value.text() + "; only numbers differ from flight to flight");
+    refuse_slot(path, "is " + value.text() + "; only numbers differ from flight to flight");
   for (std::size_t k = 0; k < paths_.size(); ++k) {
     const Path& other = paths_[k];
     const std::size_t common = std::min(other.size(), steps.size());
     if (std::equal(other.begin(), other.begin() + static_cast<std::ptrdiff_t>(common), steps.begin()))
-      refuse(path, "stands twice, the first time as '" + columns_[k] + "'");
+      refuse_slot(path, "stands twice, the first time as '" + columns_[k] + "'");
   }
   columns_.push_back(path);
   paths_.push_back(steps);
@@ -240,7 +240,7 @@ void Slots::refuse_gaps() {
       Path beside = whole;
       beside.emplace_back(i);
       if (!list[i].is_none() || std::find(paths_.begin(), paths_.end(), beside) != paths_.end()) continue;
-      refuse(columns_[k],
+      refuse_slot(columns_[k],
              "element " + std::to_string(i) + " beside it has no value; give it one, or let it differ too");
     }
   }

@@ -7,7 +7,7 @@
 #include "algebra.hpp"
 #include "flight/allocators/any_solver.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_allocation_laws {
 namespace {
 
 using certificate::Real;
@@ -437,4 +437,4 @@ TEST_P(ThreeRows, NothingIsCommandedExactlyWhereUncertaintyOutweighsTheDemand) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_allocation_laws

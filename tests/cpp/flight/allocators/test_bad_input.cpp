@@ -6,7 +6,7 @@
 
 #include "flight/allocators/any_solver.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_bad_input {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -160,4 +160,4 @@ TEST_P(BadInput, ADirectionOfWhichNothingCanBeHadIsSaid) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_bad_input

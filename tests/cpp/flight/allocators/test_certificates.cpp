@@ -4,7 +4,7 @@
 
 #include "flight/allocators/any_solver.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_certificates {
 namespace {
 
 using certificate::Real;
@@ -273,4 +273,4 @@ TEST_P(Certificates, ASolveThatEndsEarlyReportsItsGap) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_certificates

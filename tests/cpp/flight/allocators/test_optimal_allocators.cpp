@@ -26,7 +26,7 @@ long allocations = 0;  // of the whole program
 [[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
 [[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_optimal_allocators {
 namespace {
 
 template <class S>
@@ -551,4 +551,4 @@ TYPED_TEST(OptimalAllocators, DefaultPricesAreThoseOfAUnitAxis) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_optimal_allocators

@@ -7,7 +7,7 @@
 #include "flight/allocators/any_solver.hpp"
 #include "gyrostat/flight/allocators/parts/worst_case.hpp"
 
-namespace gyrostat::test {
+namespace gyrostat::test::test_worst_case {
 namespace {
 
 using certificate::Real;
@@ -146,4 +146,4 @@ TEST_P(WorstCases, RobustAllocationHasTheSmallestOfAllModesForItsEffort) {
 }
 
 }  // namespace
-}  // namespace gyrostat::test
+}  // namespace gyrostat::test::test_worst_case
