@@ -20,6 +20,11 @@ foreach(file IN LISTS files)
   if(NOT list MATCHES "gyrostat_test\\(${arguments}[ )\n]")
     string(APPEND missing "\n  tests/cpp/CMakeLists.txt: gyrostat_test(${arguments})")
   endif()
+  get_filename_component(name ${file} NAME_WE)  # the namespace of what is compiled with others as one file
+  file(READ ${SOURCE}/tests/cpp/${file} text)
+  if(text MATCHES "\nnamespace " AND NOT text MATCHES "\nnamespace gyrostat::[a-z]+::${name} {\n")
+    string(APPEND missing "\n  tests/cpp/${file}: namespace gyrostat::...::${name}")
+  endif()
 endforeach()
 # A header in the folder of a role is one component of that role's list, and every component of a list has one.
 set(flight ${SOURCE}/cpp/flight/gyrostat/flight)
