@@ -211,13 +211,19 @@ def test_another_campaign_is_refused_with_the_key_that_differs(tmp_path: Path) -
         ({"only": "0:10"}, "only = '0:10': two numbers of chunks"),
         ({"only": (0.0, 1.0)}, "chunks = 0.0"),
         ({"only": (1, 2), "chunk": 100}, "10 runs are chunks 0:1 of 100"),
-        ({"scheduler": "tcp://127.0.0.1:1"}, "--scheduler"),
     ],
 )
 def test_arguments_are_checked_before_anything_flies(tmp_path: Path, arguments: dict[str, Any], expected: str) -> None:
     with pytest.raises(gs.InputError) as refusal:
         gs.Campaign.from_dict(GOOD).run(**{"runs": 10, "out": tmp_path / "out", **arguments})
     assert expected in str(refusal.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_scheduler_that_does_not_answer_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gyrostat.campaign.cluster.PATIENCE", 1.0)
+    with pytest.raises(gs.InputError, match=r"--scheduler tcp://127\.0\.0\.1:1: "):
+        gs.Campaign.from_dict(GOOD).run(runs=10, out=tmp_path / "out", scheduler="tcp://127.0.0.1:1")
     assert not (tmp_path / "out").exists()
 
 

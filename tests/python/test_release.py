@@ -48,8 +48,8 @@ def release(tmp_path: Path, check: ModuleType) -> Path:
     change(tmp_path / "CMakeLists.txt", r"(project\(gyrostat VERSION )[0-9.]+", r"\g<1>7.8.9")
     change(tmp_path / "CHANGELOG.md", r"(?m)\A(?s:(.*?))^## .*$", r"\g<1>## [7.8.9] - 2030-01-02")
     change(tmp_path / check.STUB, r"(?m)^(__version__: str = )\"[0-9.]+\"", r'\g<1>"7.8.9"')
-    with (tmp_path / "CITATION.cff").open("a") as file:
-        file.write("version: 7.8.9\ndate-released: 2030-01-02\n")
+    change(tmp_path / "CITATION.cff", r"(?m)^version: .*$", "version: 7.8.9")
+    change(tmp_path / "CITATION.cff", r"(?m)^date-released: .*$", "date-released: 2030-01-02")
     for name in check.PAGES:
         change(tmp_path / name, r"(find_package\(gyrostat )[0-9.]+", r"\g<1>7.8")
     dist = tmp_path / "dist"

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from gyrostat.campaign.campaign import Campaign
 
 RETRIES = 3
+PATIENCE = 20.0
+"""s, for a scheduler that is still starting."""
 
 
 def run_chunk(campaign: str, expected: str, first: int, end: int, threads: int | None = 1) -> bytes:
@@ -64,7 +66,7 @@ def flown(campaign: Campaign, missing: list[tuple[int, int]], scheduler: str) ->
         raise InputError("--scheduler: Python components do not travel; they fly here alone")
     text, expected = canonical(campaign.standalone()), identity(resolved(campaign))
     try:
-        client = Client(scheduler, timeout=20)  # type: ignore[no-untyped-call]
+        client = Client(scheduler, timeout=PATIENCE)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler {scheduler}: {error}") from None
     with client:

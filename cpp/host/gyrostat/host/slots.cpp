@@ -18,7 +18,7 @@ namespace {
                               const std::vector<std::string>& known) {
   const std::string near = nearest(word, known);
   refuse_slot(path, "no " + what + " '" + word + "'" +
-                   (near.empty() ? "; there are: " + join(known) : ", did you mean '" + near + "'?"));
+                        (near.empty() ? "; there are: " + join(known) : ", did you mean '" + near + "'?"));
 }
 
 std::vector<std::string> words_of(const std::string& path) {
@@ -241,7 +241,7 @@ void Slots::refuse_gaps() {
       beside.emplace_back(i);
       if (!list[i].is_none() || std::find(paths_.begin(), paths_.end(), beside) != paths_.end()) continue;
       refuse_slot(columns_[k],
-             "element " + std::to_string(i) + " beside it has no value; give it one, or let it differ too");
+                  "element " + std::to_string(i) + " beside it has no value; give it one, or let it differ too");
     }
   }
 }
