@@ -13,9 +13,12 @@
 namespace {
 std::size_t allocations = 0;
 }
-void* operator new(std::size_t size) {
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
+  return std::malloc(size);
+}
+void* operator new(std::size_t size) {
+  if (void* memory = operator new(size, std::nothrow)) return memory;
   throw std::bad_alloc();
 }
 // Not inlined: free() beside a new-expression looks like a mistake to g++.
