@@ -154,7 +154,7 @@ $(VENV)/venv.stamp: pyproject.toml | debian-run
 	@touch $@
 
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(PACKAGE) | debian-run
-	@CXX=$${CXX:-c++} CMAKE_EXECUTABLE=$$(command -v cmake) $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation -Cbuild-dir=build/release .
+	@CXX=$${CXX:-c++} CMAKE_EXECUTABLE=$$(command -v cmake) $(STEP) install-gyrostat $(BIN)/pip install --no-build-isolation --config-settings=build-dir=build/release .
 	@touch $@
 
 $(VENV)/docs.stamp: $(VENV)/venv.stamp
