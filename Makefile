@@ -14,13 +14,14 @@ BESIDE := nice -n 5 $(STEP)
 FUZZ_SECONDS := 60
 # Debian's names of what is needed.
 FOR_RUN = $(shell scripts/find_python --packages) g++ cmake ninja-build ccache libeigen3-dev libsundials-dev librandom123-dev
-FOR_TEST := libgtest-dev libgmock-dev chromium chromium-driver
+FOR_TEST := libgtest-dev libgmock-dev
+FOR_PYTEST := chromium chromium-driver
 FOR_EMBEDDED := gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
 CPP = $(shell find cpp bindings tests benchmarks examples sundials_cfg -name '*.hpp' -o -name '*.cpp')
 PACKAGE := CMakeLists.txt pyproject.toml docs/package.md LICENSE $(shell find cpp bindings python cmake licenses sundials_cfg -type f \
         -not -path '*/__pycache__/*')
 
-.PHONY: help run test cpp docs docs-serve headers asan asan-python python pytest types stubs-check lint bench wheel release-check matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test \
+.PHONY: help run test cpp docs docs-serve headers asan asan-python python pytest types stubs-check lint bench wheel release-check matrix mutants tidy embedded embedded-short fuzz format stubs clean debian-run debian-test debian-pytest \
         debian-make-test debian-bench debian-embedded debian-fuzz debian-docs
 
 help:  ## this list
@@ -30,9 +31,10 @@ run: debian-run $(VENV)/package.stamp  ## install what is missing, reproduce eve
 	@$(BIN)/gyrostat reproduce all --out $(OUT)
 
 # Compilers and pytest use every core themselves; what uses one runs beside them, and yields to them: first the network and
-# what needs no compiled module, then what does.
-test: debian-make-test  ## the same set-up, then all tests, types, stubs and format
-	@$(MAKE) -j2 cpp lint types
+# what needs no compiled module, then what does. What compilers need is installed first, the rest beside them.
+test:  ## the same set-up, then all tests, types, stubs and format
+	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST) -- $(FOR_PYTEST) $(FOR_EMBEDDED)
+	@$(MAKE) -j4 cpp debian-make-test lint types
 	@$(MAKE) asan $(VENV)/package.stamp
 	@$(MAKE) -j2 pytest stubs-check embedded-short
 	@echo "all tests passed"
@@ -54,7 +56,7 @@ asan-python: debian-test $(VENV)/venv.stamp  ## the compiled Python module under
 
 python: pytest types stubs-check  ## Python tests, types and stubs
 
-pytest: debian-test $(VENV)/package.stamp $(VENV)/test.stamp
+pytest: debian-pytest $(VENV)/package.stamp $(VENV)/test.stamp
 	@$(STEP) pytest $(BIN)/pytest -n auto --dist loadfile
 
 types: $(VENV)/test.stamp
@@ -99,8 +101,8 @@ fuzz: debian-fuzz  ## a minute of coverage-guided fuzzing of every stack, under 
 embedded: debian-embedded $(VENV)/package.stamp  ## exported flight stacks on an emulated Cortex-M7, against the host; prints sizes and instructions
 	@$(BIN)/python scripts/embedded
 
-embedded-short: debian-embedded $(VENV)/package.stamp  ## two of these stacks, as make test flies them
-	@$(BESIDE) embedded-short $(BIN)/python scripts/embedded li2018 cubesat_6u
+embedded-short: debian-embedded $(VENV)/package.stamp  ## the one of these stacks with the most in it, as make test flies it
+	@$(BESIDE) embedded-short $(BIN)/python scripts/embedded cubesat_6u
 
 mutants: debian-test $(VENV)/venv.stamp  ## break core and flight in a few hundred places, one at a time: do the C++ tests notice?
 	@nice $(BIN)/python scripts/mutants
@@ -131,8 +133,11 @@ debian-run:
 debian-test:
 	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST)
 
-debian-make-test:  # all of `make test` at once: an administrator is asked once
-	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST) $(FOR_EMBEDDED)
+debian-pytest:
+	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST) $(FOR_PYTEST)
+
+debian-make-test:
+	@scripts/debian_packages $(FOR_RUN) $(FOR_TEST) $(FOR_PYTEST) $(FOR_EMBEDDED)
 
 debian-fuzz:
 	@scripts/debian_packages $(FOR_RUN) clang libclang-rt-dev libomp-dev

@@ -74,7 +74,8 @@ def test_an_administrator_is_asked_once_for_all_of_it() -> None:
         wanted = found.stdout.split()
         assert wanted in ([], ["python3", "python3-venv", "python3-dev"])
         packages = [*wanted, "g++", "cmake"]
-        done = run(folder, str(folder / "debian_packages"), *packages, user=user, PATH=str(tools))
+        call = [str(folder / "debian_packages"), *packages, "--", "chromium"]
+        done = run(folder, *call, user=user, PATH=str(tools))
     assert done.returncode == 1
     assert done.stderr.count("apt-get install") == 1
-    assert done.stderr.rstrip().endswith("g++ cmake")
+    assert done.stderr.rstrip().endswith("g++ cmake chromium")
