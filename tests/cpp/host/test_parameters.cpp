@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(
             "observer 'mine': bandwidth = "
             "'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...' "
             "is a text; a number belongs here"}),
-    [](const auto& info) { return info.param.why; });
+    [](const auto& bad) { return bad.param.why; });
 
 TEST_P(BadParameters, GiveOneLineThatSaysWhatWhereAndWhatIsAllowed) {
   EXPECT_EQ(message_of(GetParam().table), GetParam().message);

@@ -233,7 +233,7 @@ INSTANTIATE_TEST_SUITE_P(
             "faults[0] 'bias': actuator = 7 is not there; the vehicle has 4 (0 to 3)"},
         Bad{"channel", "record", Table{{"channels", List{"error.angel"}}},
             "record: no channel 'error.angel', did you mean 'error.angle'?"}),
-    [](const auto& info) { return info.param.why; });
+    [](const auto& bad) { return bad.param.why; });
 
 TEST_P(BadScenario, IsRefusedInOneLine) {
   Table s = ftc_4rw("rk4");

@@ -23,7 +23,7 @@ TEST(Noise, LogarithmIsThatOfTheLibrary) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 300000; ++i) {
     const double u = i % 3 == 0 ? std::ldexp(1.0, -static_cast<int>(random() % 53)) * (1 + 1e-12 * (i % 7))
-                                : static_cast<double>((random() >> 12) + 0.5) * 0x1p-52;
+                                : (static_cast<double>(random() >> 12) + 0.5) * 0x1p-52;
     if (u >= 1) continue;
     const long double exact = std::log(static_cast<long double>(u));
     // Two roundings of the largest part, and one of the sum.
