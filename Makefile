@@ -49,7 +49,7 @@ asan: debian-test  ## C++ tests once more under the address sanitizer, libraries
 	@$(STEP) build-asan cmake --build --preset asan
 	@$(STEP) ctest-asan ctest --preset asan
 
-asan-python: debian-test $(VENV)/venv.stamp  ## the compiled Python module under the sanitizers
+asan-python: debian-test $(VENV)/test.stamp  ## the compiled Python module under the sanitizers
 	@$(STEP) configure-asan-python cmake --preset asan-python -DPython_EXECUTABLE=$(abspath $(BIN)/python)
 	@$(STEP) build-asan-python cmake --build --preset asan-python
 	@$(STEP) asan-python scripts/sanitized $(BIN)/python tests/sanitized/bindings.py build/asan-python/bindings
