@@ -6,10 +6,13 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 import pytest
+
+from gyrostat import _core
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
@@ -79,3 +82,11 @@ def test_an_administrator_is_asked_once_for_all_of_it() -> None:
     assert done.returncode == 1
     assert done.stderr.count("apt-get install") == 1
     assert done.stderr.rstrip().endswith("g++ cmake chromium")
+
+
+def test_what_flies_under_the_sanitizers_fits_the_module(tmp_path: Path) -> None:
+    """`make asan-python` compiles for minutes before it calls the program."""
+    program = SCRIPTS.parent / "tests" / "sanitized" / "bindings.py"
+    done = run(tmp_path, sys.executable, str(program), str(Path(_core.__file__).parent))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "bindings under the sanitizers: nothing to report\n"
