@@ -123,22 +123,11 @@ class Solver : public AnySolver {
 
 }  // namespace
 
-// A sanitizer makes a minute's compilation of each scalar and size; the code it watches is the same.
-#if defined(__SANITIZE_ADDRESS__)
-std::unique_ptr<AnySolver> Kind::solver() const { return std::make_unique<Solver<double, 3, 16>>(); }
-std::vector<Kind> all_kinds() { return kinds_of_three_rows(); }
-std::vector<Kind> kinds_of_three_rows() { return {{"double3", false, 3}}; }
-#else
-std::unique_ptr<AnySolver> Kind::solver() const {
-  if (rows == 3 && single) return std::make_unique<Solver<float, 3, 16>>();
-  if (rows == 3) return std::make_unique<Solver<double, 3, 16>>();
-  if (single) return std::make_unique<Solver<float, 6, 12>>();
-  return std::make_unique<Solver<double, 6, 12>>();
+template <class S>
+std::unique_ptr<AnySolver> solver_in(int rows) {
+  if (rows == 3) return std::make_unique<Solver<S, 3, 16>>();
+  return std::make_unique<Solver<S, 6, 12>>();
 }
-std::vector<Kind> all_kinds() {
-  return {{"double3", false, 3}, {"float3", true, 3}, {"double6", false, 6}, {"float6", true, 6}};
-}
-std::vector<Kind> kinds_of_three_rows() { return {{"double3", false, 3}, {"float3", true, 3}}; }
-#endif
+template std::unique_ptr<AnySolver> solver_in<GYROSTAT_TEST_SCALAR>(int rows);
 
 }  // namespace gyrostat::test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file  The allocation solver behind one interface, whatever its scalar and size: the tests on it are written once, and the
-///        solver's templates are compiled once.
+///        solver's templates are compiled once, a file a scalar.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -70,18 +70,24 @@ class AnySolver {
   virtual Numbers state() const = 0;
 };
 
+/// Of three rows and up to 16 actuators, or of six and up to 12.
+template <class S>
+std::unique_ptr<AnySolver> solver_in(int rows);
+
 /// A solver's scalar and size; the parameter of the typed tests.
 struct Kind {
   std::string name;
   bool single;
   int rows;
-  std::unique_ptr<AnySolver> solver() const;
+  std::unique_ptr<AnySolver> solver() const { return single ? solver_in<float>(rows) : solver_in<double>(rows); }
   /// Rounding of the scalar.
   double epsilon() const { return single ? 1.2e-7 : 2.3e-16; }
 };
 inline std::string name_of(const Kind& kind) { return kind.name; }
-std::vector<Kind> all_kinds();
-std::vector<Kind> kinds_of_three_rows();
+inline std::vector<Kind> kinds_of_three_rows() { return {{"double3", false, 3}, {"float3", true, 3}}; }
+inline std::vector<Kind> all_kinds() {
+  return {{"double3", false, 3}, {"float3", true, 3}, {"double6", false, 6}, {"float6", true, 6}};
+}
 
 /// Half of the demands lie inside the attainable set, the others well outside or near its edge; a tenth of the actuators is
 /// dead, the others keep 20 % or more.
