@@ -73,6 +73,8 @@ class AnySolver {
 /// Of three rows and up to 16 actuators, or of six and up to 12.
 template <class S>
 std::unique_ptr<AnySolver> solver_in(int rows);
+extern template std::unique_ptr<AnySolver> solver_in<double>(int rows);
+extern template std::unique_ptr<AnySolver> solver_in<float>(int rows);
 
 /// A solver's scalar and size; the parameter of the typed tests.
 struct Kind {
