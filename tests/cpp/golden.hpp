@@ -29,7 +29,8 @@ class Golden {
       } else {
         for (const std::string& name : names) {
           std::getline(cells, cell, ',');
-          columns_[name].push_back(std::stod(cell));
+          // clang 17 as C++23 cannot compile operator[] of gcc 14's map
+          columns_.emplace(name, std::vector<double>{}).first->second.push_back(std::stod(cell));
         }
       }
     }

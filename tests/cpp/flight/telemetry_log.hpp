@@ -21,9 +21,9 @@ std::map<std::string, std::vector<double>> telemetry_of(const Component& compone
       for (Eigen::Index i = 0; i < value.size(); ++i) values.push_back(static_cast<double>(value[i]));
     }
     if constexpr (std::is_same_v<decltype(name), Counter>) {
-      out[name.name] = values;
+      out.emplace(name.name, values);
     } else {
-      out[name] = values;
+      out.emplace(name, values);
     }
   });
   return out;
