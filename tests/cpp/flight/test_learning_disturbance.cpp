@@ -137,7 +137,7 @@ TEST(LearningDisturbance, MovesItsErrorByTheExactSolution) {
   for (int k = 1; k <= 4; ++k) {  // no learning yet: e' = f - M e from zero
     y.omega_BN_B[0] = 0.3 * 0.01 * k;
     x = observer.step(y, last);
-    EXPECT_NEAR(telemetry_of(observer)["e"][0], 0.3 / 18 * -std::expm1(-18 * 0.01 * k), 1e-16);
+    EXPECT_NEAR(telemetry_of(observer).at("e")[0], 0.3 / 18 * -std::expm1(-18 * 0.01 * k), 1e-16);
     EXPECT_EQ(x.d_B[0], 0);
   }
 }

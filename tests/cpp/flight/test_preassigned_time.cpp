@@ -81,7 +81,7 @@ double error_from(const Vec3<double>& angles, const Vec3<double>& rates, double 
     x.euler = {a, b};
     x.omega_BN_B = b;
     const Vec3<double> tau = (k == 0 ? law.start(x, {}, ref) : law.step(x, {}, ref, last)).tau_B;
-    surface = std::max(surface, telemetry_of(law)["s"][0]);
+    surface = std::max(surface, telemetry_of(law).at("s")[0]);
     if (k * dt >= T) worst = std::max(worst, a.norm());
     const auto acceleration = [&](const Vec3<double>& q, const Vec3<double>& v) -> Vec3<double> {
       return euler_model_acceleration(setup.vehicle, q, v) + tau.cwiseQuotient(setup.vehicle.J_B.diagonal());
@@ -171,11 +171,11 @@ TEST(PreassignedTime, MovesItsTimeAwayOnlyWhileTheCommandFallsShort) {
   Allocation<double> last = Allocation<double>::idle(4);
   last.demand_B = last.achieved_B = Vec3<double>(0.1, 0, 0);
   (void)law.step(x, {}, ref, last);
-  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5 - 0.01, 1e-12);
+  EXPECT_NEAR(telemetry_of(law).at("T_left")[0], 5 - 0.01, 1e-12);
   last.demand_B = Vec3<double>(0.2, 0, 0);
   (void)law.step(x, {}, ref, last);
-  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5 - 0.02 + 10 * 0.01, 1e-12);
-  EXPECT_LT(std::abs(telemetry_of(law)["s"][0]), 1e-15);  // planned anew from where it is
+  EXPECT_NEAR(telemetry_of(law).at("T_left")[0], 5 - 0.02 + 10 * 0.01, 1e-12);
+  EXPECT_LT(std::abs(telemetry_of(law).at("s")[0]), 1e-15);  // planned anew from where it is
 }
 
 TEST(PreassignedTime, MovesItsTimeAwayAfterItHasPassedToo) {
@@ -189,11 +189,11 @@ TEST(PreassignedTime, MovesItsTimeAwayAfterItHasPassedToo) {
   (void)law.start(x, {}, {});
   Allocation<double> last = Allocation<double>::idle(4);
   for (int k = 0; k < 10; ++k) (void)law.step(x, {}, {}, last);
-  EXPECT_EQ(telemetry_of(law)["T_left"][0], 0);
+  EXPECT_EQ(telemetry_of(law).at("T_left")[0], 0);
   last.demand_B = Vec3<double>(1, 0, 0);
   for (int k = 1; k <= 10; ++k) {
     (void)law.step(x, {}, {}, last);
-    EXPECT_NEAR(telemetry_of(law)["T_left"][0], k == 1 ? 0.1 : 0.1 + 0.09 * (k - 1), 1e-12);
+    EXPECT_NEAR(telemetry_of(law).at("T_left")[0], k == 1 ? 0.1 : 0.1 + 0.09 * (k - 1), 1e-12);
   }
 }
 
@@ -218,8 +218,8 @@ TEST(PreassignedTime, DampsATumbleThatFallsShortAndPlansAnewAfterIt) {
     x.omega_BN_B *= 1e-3;
     last.demand_B.setZero();
     (void)law.step(x, {}, {}, last);
-    EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5, 1e-12);
-    const std::vector<double> s = telemetry_of(law)["s"];
+    EXPECT_NEAR(telemetry_of(law).at("T_left")[0], 5, 1e-12);
+    const std::vector<double> s = telemetry_of(law).at("s");
     for (const double s_i : s) EXPECT_LT(std::abs(s_i), 1e-15);
   }
 }
@@ -286,7 +286,7 @@ TEST(PreassignedTime, TakesTheErrorOfAnglesTheShortWayRound) {
   Reference<double> ref;
   ref.q_NR = quat_from_euler<double>({0, 0, -3.1});
   (void)law.start(x, {}, ref);
-  EXPECT_NEAR(telemetry_of(law)["p"][2], 6.2 - 2 * 3.14159265358979323846, 1e-12);
+  EXPECT_NEAR(telemetry_of(law).at("p")[2], 6.2 - 2 * 3.14159265358979323846, 1e-12);
 }
 
 /// The path goes on from the motion as it is, so the first demand of a new plan is what was achieved before.
@@ -313,7 +313,7 @@ TEST(PreassignedTime, APlanAfterAShortfallAsksForWhatWasAchieved) {
       last.achieved_B = random.vector<double>(0.1);
       last.demand_B = 2 * last.achieved_B + Vec3<double>(0, 0, 10);
       const Vec3<double> tau_B = law.step(x, {}, ref, last).tau_B;
-      EXPECT_NEAR(telemetry_of(law)["T_left"][0], 4 - 0.01 + 10 * 0.01, 1e-12) << "planned anew";
+      EXPECT_NEAR(telemetry_of(law).at("T_left")[0], 4 - 0.01 + 10 * 0.01, 1e-12) << "planned anew";
       EXPECT_LT((tau_B - last.achieved_B).norm(), 1e-12);  // rounding of J times accelerations
     }
   }
@@ -333,7 +333,7 @@ TEST(PreassignedTime, FallsShortFromAHundredthOfTheDemandOn) {
     last.demand_B = Vec3<double>(0.2, 0, 0);
     last.achieved_B = last.demand_B * (1 - missing * (0.01 + 1e-3 * torque / 0.2));
     (void)law.step(x, {}, {}, last);
-    EXPECT_NEAR(telemetry_of(law)["T_left"][0], missing < 1 ? 4.99 : 5.09, 1e-12);
+    EXPECT_NEAR(telemetry_of(law).at("T_left")[0], missing < 1 ? 4.99 : 5.09, 1e-12);
   }
 }
 
@@ -344,12 +344,12 @@ TEST(PreassignedTime, ANewTargetHasAllOfTheTimeAgain) {
   Reference<double> ref;
   (void)law.start(x, {}, ref);
   for (int k = 0; k < 10; ++k) (void)law.step(x, {}, ref, last);
-  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 4.9, 1e-12);
+  EXPECT_NEAR(telemetry_of(law).at("T_left")[0], 4.9, 1e-12);
   ref.event = 1;
   ref.q_NR = quat_from_euler<double>({0.3, 0, 0});
   (void)law.step(x, {}, ref, last);
-  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5, 1e-12);
-  EXPECT_NEAR(telemetry_of(law)["p"][0], -0.3, 1e-12);
+  EXPECT_NEAR(telemetry_of(law).at("T_left")[0], 5, 1e-12);
+  EXPECT_NEAR(telemetry_of(law).at("p")[0], -0.3, 1e-12);
 }
 
 /// No motion led there, so no torque has fallen short; a kept T is kept all the same.
@@ -365,9 +365,9 @@ TEST(PreassignedTime, AJumpOfTheStateHasAllOfTheTimeAgainUnlessTIsKept) {
     x.q_NB = quat_from_euler<double>({0.3, 0, 0});
     ++x.event;
     (void)law.step(x, {}, {}, last);
-    EXPECT_NEAR(telemetry_of(law)["T_left"][0], stretch > 0 ? 5 : 4.89, 1e-12);
+    EXPECT_NEAR(telemetry_of(law).at("T_left")[0], stretch > 0 ? 5 : 4.89, 1e-12);
     if (stretch == 0) continue;
-    EXPECT_NEAR(telemetry_of(law)["p"][0], 0.3, 1e-12) << "from where it is";
+    EXPECT_NEAR(telemetry_of(law).at("p")[0], 0.3, 1e-12) << "from where it is";
   }
 }
 
@@ -407,7 +407,7 @@ TEST(PreassignedTime, ATumbleBeginsWhereStoppingTakesARadianAndEndsAtATenthOfIt)
   EXPECT_TRUE(damped(enough));
   turn(0.099);
   EXPECT_FALSE(damped(enough));
-  EXPECT_NEAR(telemetry_of(law)["T_left"][0], 5, 1e-12) << "planned anew";
+  EXPECT_NEAR(telemetry_of(law).at("T_left")[0], 5, 1e-12) << "planned anew";
   turn(0.5);
   EXPECT_FALSE(damped(enough));
   turn(1.01);

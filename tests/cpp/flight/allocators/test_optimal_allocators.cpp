@@ -367,7 +367,7 @@ TYPED_TEST(OptimalAllocators, TelemetryProvesAnUnreachableDemand) {
   auto allocator = this->template make<Lexicographic<S>>(this->setup);
   const Demand<S> d = demand<S>(S(0.5), S(0.1), S(0.1));
   EXPECT_TRUE(allocator.step(d, healthy<S>(4), this->none).status.has(Flag::demand_not_met));
-  const std::vector<double> v = telemetry_of(allocator)["unreachable_B"];
+  const std::vector<double> v = telemetry_of(allocator).at("unreachable_B");
   double reached = 0, asked = 0;
   for (int i = 0; i < 4; ++i) {
     double along = 0;
