@@ -12,7 +12,9 @@
 #endif
 
 // Open MPI's null communicator is an address; weak, it is null in a program without MPI, here as in the archive.
+#ifdef OPEN_MPI
 #pragma weak ompi_mpi_comm_null
+#endif
 
 namespace gyrostat::truth {
 
