@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gyrostat::test {
@@ -20,20 +21,24 @@ class Golden {
     std::ifstream in(std::string(GYROSTAT_GOLDEN_DIR) + "/" + file);
     if (!in) throw std::runtime_error("no golden file " + file);
     std::vector<std::string> names;
+    std::vector<std::vector<double>> columns;
     for (std::string line; std::getline(in, line);) {
       if (line.empty() || line[0] == '#') continue;
       std::stringstream cells(line);
       std::string cell;
       if (names.empty()) {
         while (std::getline(cells, cell, ',')) names.push_back(cell);
+        columns.resize(names.size());
       } else {
-        for (const std::string& name : names) {
+        for (std::vector<double>& column : columns) {
           std::getline(cells, cell, ',');
-          // clang 17 as C++23 cannot compile operator[] of gcc 14's map
-          columns_.emplace(name, std::vector<double>{}).first->second.push_back(std::stod(cell));
+          column.push_back(std::stod(cell));
         }
       }
     }
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (!columns_.emplace(names[i], std::move(columns[i])).second)
+        throw std::runtime_error(names[i] + " twice in " + file);
   }
 
   bool has(const std::string& name) const { return columns_.count(name) != 0; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// @file  Reads a component's telemetry by name.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <map>
 #include <string>
 #include <type_traits>
@@ -21,9 +23,9 @@ std::map<std::string, std::vector<double>> telemetry_of(const Component& compone
       for (Eigen::Index i = 0; i < value.size(); ++i) values.push_back(static_cast<double>(value[i]));
     }
     if constexpr (std::is_same_v<decltype(name), Counter>) {
-      out.emplace(name.name, values);
+      EXPECT_TRUE(out.emplace(name.name, values).second) << name.name << " is there twice";
     } else {
-      out.emplace(name, values);
+      EXPECT_TRUE(out.emplace(name, values).second) << name << " is there twice";
     }
   });
   return out;
